@@ -13,7 +13,7 @@ struct ContactNewtonTuning {
   /// ρ at first: so many times the residual of the guess, from kNearRho to kFirstRho.
   /// kFirstRho: half and twice take 2.4 times the Newton steps of a card house, and down to a quarter of
   /// those of stacks.
-  static constexpr double kRhoOfResidual = 100, kNearRho = 1e-5, kFirstRho = 1e-2;
+  static constexpr double kRhoOfResidual = 100, kNearRho = 1e-4, kFirstRho = 1e-2;
 
   // Ends of a round.
   /// Newton's equation is met to this part of the residual of the round before (or of itself, if that is
