@@ -21,8 +21,7 @@ void add_six_walls(World& world, double half, const Material& m) {
     for (const double side : {-1.0, 1.0}) {
       const Vec3 inward = -side * Vec3::Unit(axis);
       world.add_shape(kGround, HalfSpace{},
-                      {.q = rotation_between(Vec3::UnitZ(), inward), .p = side * half * Vec3::Unit(axis)},
-                      m);
+                      {.q = rotation_between(Vec3::UnitZ(), inward), .p = side * half * Vec3::Unit(axis)}, m);
     }
 }
 
