@@ -122,6 +122,8 @@ struct RowLaw {
   }
 
  private:
+  void insert_step(int left, double w);
+  void leave_out_forbidden();
   double rate_on_level(int k, double lambda) const {
     if (slope > 0) return (level[k] - lambda) / slope;
     return lambda > level[k] ? -kInfinity : kInfinity;
@@ -143,20 +145,28 @@ struct RowLaw {
 inline void RowLaw::add_step(double w, double above, double below) {
   int left = 0;  // steps left of w
   while (left < steps && at[left] < w) ++left;
-  if (left == steps || at[left] != w) {
-    if (steps == kMaxSteps) fail("row law sum", "must not have more steps than", kMaxSteps);
-    for (int k = steps++; k > left; --k) at[k] = at[k - 1];
-    for (int k = steps; k > left; --k) level[k] = level[k - 1];
-    at[left] = w;
-  }
+  if (left == steps || at[left] != w) insert_step(left, w);
   for (int k = 0; k <= steps; ++k) level[k] += k <= left ? above : below;
-  // Only levels right of a lower and left of an upper limit are places to be.
+  // +∞ − ∞: left of one lower limit and right of the other upper limit at once.
+  for (int k = 0; k <= steps; ++k)
+    if (std::isnan(level[k])) fail("row law sum", "limits exclude each other at rate", w);
+  leave_out_forbidden();
+}
+
+/// A step of no height at w, right of so many.
+inline void RowLaw::insert_step(int left, double w) {
+  if (steps == kMaxSteps) fail("row law sum", "must not have more steps than", kMaxSteps);
+  for (int k = steps++; k > left; --k) at[k] = at[k - 1];
+  for (int k = steps; k > left; --k) level[k] = level[k - 1];
+  at[left] = w;
+}
+
+/// Only levels right of a lower and left of an upper limit are places to be.
+inline void RowLaw::leave_out_forbidden() {
   int first = 0, last = steps;
   while (first < last && level[first + 1] == kInfinity) ++first;
   while (first < last && level[last - 1] == -kInfinity) --last;
-  for (int k = first; k <= last; ++k) {
-    // +∞ − ∞: left of one lower limit and right of the other upper limit at once.
-    if (std::isnan(level[k])) fail("row law sum", "limits exclude each other at rate", w);
+  for (int k = first; first > 0 && k <= last; ++k) {
     level[k - first] = level[k];
     if (k < last) at[k - first] = at[k];
   }
