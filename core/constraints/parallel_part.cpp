@@ -68,8 +68,9 @@ void Parallel::bias(const Pose& A, const Pose& B, const Twist& V_A, const Twist&
 void Parallel::stiffness(const Pose& A, const Pose& B, const double* lambda, StiffnessBlocks& K_A,
                          StiffnessBlocks& K_B) const {
   const Directions d(*this, A, B);
+  const bool over = d.turned_over();
   for (int i = 0; i < kRows; ++i) {
-    if (d.turned_over()) {
+    if (over) {
       far_row(*this, i).stiffness(A, B, lambda + i, K_A, K_B);
       continue;
     }
