@@ -18,6 +18,40 @@ void for_each_pair(const Rows& rows, const MassMatrix& mass, const Rows::JointRo
         visit(rows.sides()[i], rows.sides()[j]);
 }
 
+using Six = Eigen::Matrix<double, kSix, 1>;
+using SixAt = Eigen::Map<const Six>;
+
+/// Three rows at most of one joint that are not left out.
+struct WeightedRows {
+  static constexpr int kMost = 3;
+  Six scaled[kMost];           // Σ⁻¹ W_i
+  const double* other[kMost];  // W_j
+};
+
+/// Block += Σ_r scaled_r other_rᵀ, column by column, each with all rows: it is read and written once.
+template <int kCount>
+void add_rows(const WeightedRows& rows, double* block, int stride) {
+  for (int c = 0; c < kSix; ++c, block += stride) {
+    Eigen::Map<Six> column(block);
+    Six sum = column;
+    for (int r = 0; r < kCount; ++r) sum += rows.scaled[r] * rows.other[r][c];
+    column = sum;
+  }
+}
+
+void add_rows(const WeightedRows& rows, int count, double* block, int stride) {
+  switch (count) {
+    case 1:
+      return add_rows<1>(rows, block, stride);
+    case 2:
+      return add_rows<2>(rows, block, stride);
+    case 3:
+      return add_rows<3>(rows, block, stride);
+    default:
+      return;
+  }
+}
+
 }  // namespace
 
 BlockGraph body_graph(const Rows& rows, const MassMatrix& mass, std::vector<int>& body_of_node) {
@@ -90,18 +124,24 @@ PrimalMatrix::PrimalMatrix(const Rows& rows, const MassMatrix& mass, SymmetricMa
 }
 
 void PrimalMatrix::assemble(std::span<const double> weighted, std::span<const double> inverse_compliance) {
-  using Row = Eigen::Map<const Eigen::Matrix<double, kSix, 1>>;
-  using Block = Eigen::Map<Eigen::Matrix<double, kSix, kSix>, 0, Eigen::OuterStride<>>;
   std::fill(matrix_.values.begin(), matrix_.values.end(), 0.0);
   for (int entry : diagonal_) matrix_.values[entry] = 1;
   for (const Product& p : products_) {
-    Block block(matrix_.values.data() + p.slot, Eigen::OuterStride<>(p.stride));
-    for (int r = 0; r < p.row_count; ++r) {
+    double* block = matrix_.values.data() + p.slot;
+    const double* of_i = weighted.data() + p.offset_i;
+    const double* of_j = weighted.data() + p.offset_j;
+    WeightedRows rows;
+    int count = 0;
+    for (int r = 0; r < p.row_count; ++r, of_i += kSix, of_j += kSix) {
       const double d = inverse_compliance[p.first_row + r];
       if (d == 0) continue;
-      block.noalias() += d * Row(weighted.data() + p.offset_i + kSix * r) *
-                         Row(weighted.data() + p.offset_j + kSix * r).transpose();
+      rows.scaled[count] = d * SixAt(of_i);
+      rows.other[count++] = of_j;
+      if (count < WeightedRows::kMost) continue;
+      add_rows(rows, count, block, p.stride);
+      count = 0;
     }
+    add_rows(rows, count, block, p.stride);
   }
 }
 
