@@ -39,7 +39,7 @@ inline void add_force_at(const double* r, const Vec3& f, Eigen::Matrix<double, 6
   }
 }
 
-/// Jᵀ λ on one body, as Rows::wrench_on().
+/// Jᵀ λ on one body.
 [[gnu::always_inline]] inline Wrench wrench_on(const Rows& rows, int body, std::span<const double> jacobian,
                                                std::span<const double> lambda) {
   using Six = Eigen::Matrix<double, 6, 1>;

@@ -203,19 +203,10 @@ void Rows::apply(std::span<const double> jacobian, std::span<const Twist> twists
   for (const JointRows& joint : joints_) detail::rates_of(*this, joint, jacobian, twists, out);
 }
 
-void Rows::apply(const JointRows& joint, std::span<const double> jacobian, std::span<const Twist> twists,
-                 std::span<double> out) const {
-  detail::rates_of(*this, joint, jacobian, twists, out);
-}
-
 void Rows::apply_transpose(std::span<const double> jacobian, std::span<const double> lambda,
                            std::span<Wrench> out) const {
   for (int body = 0; body < body_count(); ++body)
     out[body] = detail::wrench_on(*this, body, jacobian, lambda);
-}
-
-Wrench Rows::wrench_on(int body, std::span<const double> jacobian, std::span<const double> lambda) const {
-  return detail::wrench_on(*this, body, jacobian, lambda);
 }
 
 Eigen::Matrix<double, 6, 1> Rows::block_row(const Side& side, std::span<const double> jacobian, int i) {

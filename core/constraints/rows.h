@@ -215,14 +215,9 @@ class Rows {  ///< The rows of a World, as the comment at the top of this file s
 
   /// J V [m/s or rad/s], with the values that jacobian() gave.
   void apply(std::span<const double> jacobian, std::span<const Twist> twists, std::span<double> out) const;
-  /// J V of the rows of one joint.
-  void apply(const JointRows& joint, std::span<const double> jacobian, std::span<const Twist> twists,
-             std::span<double> out) const;
   /// Jᵀ λ, the wrench of all joints on each body, fixed ones too; overwrites `out`.
   void apply_transpose(std::span<const double> jacobian, std::span<const double> lambda,
                        std::span<Wrench> out) const;
-  /// Jᵀ λ on one body.
-  Wrench wrench_on(int body, std::span<const double> jacobian, std::span<const double> lambda) const;
   /// Row i of a side's block.
   static Eigen::Matrix<double, 6, 1> block_row(const Side& side, std::span<const double> jacobian, int i);
 

@@ -26,6 +26,7 @@ bool AxisLimitLaw::set(const AxisStage& stage) {
     case Kick::kSingle:
       set_single_kick(stage);
   }
+  if (std::isnan(lower_at) || std::isnan(upper_at)) return clear(), false;
   // Rates beyond come of steps that fail; limits must not exclude each other there.
   lower_at = std::clamp(lower_at, -kUnreachedRate, kUnreachedRate);
   upper_at = std::clamp(upper_at, -kUnreachedRate, kUnreachedRate);

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/constraints/row_products.h"
 #include "core/joints/joints.h"
 #include "tests/core/random_state.h"
 
@@ -127,7 +128,8 @@ TEST(Rows, ArmsStandForTheBlocksOfBallJoints) {
   arms.apply(r, s.world.state().twists, rates_of_arms);
   EXPECT_EQ(rates, rates_of_arms);
   for (int body = 0; body < bodies; ++body) {
-    const Wrench expected = whole.wrench_on(body, J, lambda), wrench = arms.wrench_on(body, r, lambda);
+    const Wrench expected = detail::wrench_on(whole, body, J, lambda),
+                 wrench = detail::wrench_on(arms, body, r, lambda);
     EXPECT_EQ(wrench.torque, expected.torque);
     EXPECT_EQ(wrench.force, expected.force);
   }
