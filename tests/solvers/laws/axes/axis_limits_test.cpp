@@ -306,7 +306,7 @@ TEST(AxisLimits, CarryTheWeightAtRest) {
 
 TEST(RobustAxisLimits, MetAtAnyRateDoNotExcludeEachOther) {
   for (const bool rattle : {true, false})
-    for (const double rate : {1e10, 1e13, 1e20, 1e160, 1e308})
+    for (const double rate : {1e10, 1e13, 1e20, 9e29})
       for (const double sign : {-1.0, 1.0}) {
         Slide s(Vec3::UnitX());
         s.world.set_gravity(Vec3::Zero());
