@@ -19,11 +19,12 @@ namespace taut::detail {
 struct ThreadPool::Impl {
   std::mutex mutex;
   std::condition_variable wake, done;
-  const std::function<void(int, int)>* work = nullptr;  // null between rounds
+  const std::function<void(int, int)>* work = nullptr;
   const InterruptScope::Question* question = nullptr;  // of the caller
   std::atomic<int> next{0};
   int tasks = 0, busy = 0;
   long round = 0;
+  bool open = false;  // a thread may still join the round
   bool stop = false;
   std::exception_ptr error;
   int missing = 0;
@@ -59,7 +60,7 @@ struct ThreadPool::Impl {
     long seen = 0;
     std::unique_lock lock(mutex);
     while (true) {
-      wake.wait(lock, [&] { return stop || (work != nullptr && round != seen); });
+      wake.wait(lock, [&] { return stop || (open && round != seen); });
       if (stop) return;
       seen = round;
       ++busy;
@@ -111,12 +112,13 @@ void ThreadPool::run(int tasks, const std::function<void(int, int)>& work) {
     impl_->tasks = tasks;
     impl_->next = 0;
     impl_->error = nullptr;
+    impl_->open = true;
     ++impl_->round;
   }
   impl_->wake.notify_all();
   impl_->take_tasks(0);
   std::unique_lock lock(impl_->mutex);
-  impl_->work = nullptr;
+  impl_->open = false;
   impl_->done.wait(lock, [&] { return impl_->busy == 0; });
   if (impl_->error) std::rethrow_exception(impl_->error);
 }
