@@ -58,9 +58,9 @@ int MultifrontalFactor::factorize_front(const Front& front, const SymmetricMatri
   for (int k = 0; k < front.pivots; ++k) pivots_[rows_[front.row_begin + k]] = diagonal(k);
   for (int k = front.child_begin; k < front.child_end; ++k) {
     const Front& child = fronts_[children_[k]];
-    kernels_->extend_add(panel, front.leading, places.of_children + child.contribution, contribution_leading(child),
-                         map_runs_.data() + child.map_begin, 0, child.map_pivot_end - child.map_begin,
-                         child.map_end - child.map_begin);
+    kernels_->extend_add(panel, front.leading, places.of_children + child.contribution,
+                         contribution_leading(child), map_runs_.data() + child.map_begin, 0,
+                         child.map_pivot_end - child.map_begin, child.map_end - child.map_begin);
   }
   const auto stop = front.rows >= MultifrontalTuning::kLongFront ? &detail::interrupted : nullptr;
   const int failed =

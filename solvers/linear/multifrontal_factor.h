@@ -129,8 +129,8 @@ class MultifrontalFactor final : public Factor {
   AlignedVector<double> L_;          // panels, front after front
   AlignedVector<double> contributions_;
   std::unique_ptr<SharedFronts> shared_;  // null: one thread does all
-  std::vector<double> pivots_;  // D_ii / A_ii of the last factorisation
-  FrontScratch scratch_;        // of the caller alone
+  std::vector<double> pivots_;            // D_ii / A_ii of the last factorisation
+  FrontScratch scratch_;                  // of the caller alone
 };
 
 }  // namespace taut

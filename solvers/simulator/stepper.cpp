@@ -28,7 +28,8 @@ bool Stepper::knows_pattern() const { return knows_topology() && sleep_version_ 
 void Stepper::renew() {
   auto system = std::make_unique<ConstraintSystem>(
       world_, settings_.factor, RankTuning::kStepping, Rows::AxisRows::kIncluded, springs_,
-      FactorMeans{settings_.solver == Solver::kDirect ? &orders_ : nullptr, &threads_});  // others factor nothing
+      FactorMeans{settings_.solver == Solver::kDirect ? &orders_ : nullptr,
+                  &threads_});  // others factor nothing
   scheme_.reset();
   system_ = std::move(system);
   scheme_ = make_scheme();

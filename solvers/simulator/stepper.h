@@ -104,7 +104,7 @@ class Stepper {
 
   const World &world_, &named_;
   const Settings& settings_;
-  Springs springs_;     // among the rows
+  Springs springs_;           // among the rows
   OrderMemory orders_;        // of elimination
   detail::LazyPool threads_;  // of factors
   std::unique_ptr<ConstraintSystem> system_;

@@ -5,9 +5,9 @@
 namespace taut {
 
 DelassusSystem::DelassusSystem(const LinearizedRows& rows, FactorChoice choice, const FactorMeans& means)
-    : DelassusSystem(rows,
-                     order_blocks(joint_graph(rows.rows(), rows.mass()), rows.lasts() ? means.orders : nullptr),
-                     choice, means) {}
+    : DelassusSystem(
+          rows, order_blocks(joint_graph(rows.rows(), rows.mass()), rows.lasts() ? means.orders : nullptr),
+          choice, means) {}
 
 DelassusSystem::DelassusSystem(const LinearizedRows& rows, const BlockOrdering& ordering, FactorChoice choice,
                                const FactorMeans& means)

@@ -18,7 +18,6 @@ struct FactorMeans {
   detail::LazyPool* threads = nullptr;  ///< large work is shared among them
 };
 
-
 /// The factor that is chosen, for a matrix of so many rows in this order.  FactorChoice::kCholmod takes the
 /// simplicial one where dense kernels do not pay, kDense the multifrontal one where a dense matrix is too
 /// large.

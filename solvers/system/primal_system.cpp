@@ -14,8 +14,8 @@ void PrimalSystem::forget_pattern() {
 
 const BlockOrdering& PrimalSystem::order(const LinearizedRows& rows) {
   if (!ordering_) {
-    ordering_ =
-        order_blocks(body_graph(rows.rows(), rows.mass(), body_of_node_), rows.lasts() ? means_.orders : nullptr);
+    ordering_ = order_blocks(body_graph(rows.rows(), rows.mass(), body_of_node_),
+                             rows.lasts() ? means_.orders : nullptr);
     factor_ = make_factor(choice_, *ordering_, 6 * static_cast<int>(body_of_node_.size()), means_);
   }
   return *ordering_;
