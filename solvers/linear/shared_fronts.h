@@ -13,9 +13,9 @@ namespace taut {
 /// Which factorisations and solves are shared among threads.  No bit of a result depends on it.
 struct SharingTuning {
   /// Modelled time of a factorisation (FrontCost) [ns] from which on waking threads pays. Measured.
-  double factor_from = 4e5;
-  /// Bytes of L that a solve reads twice, from which on. Measured.
-  double solve_from = 2e6;
+  double factor_from = 2e6;
+  /// Bytes of L, which a solve reads twice, from which on it does. Measured.
+  double solve_from = 8e6;
   /// Subtrees of a factorisation cost at most this part of a thread's share, so that shares even out: a study
   /// of nets found 8 to do.
   double subtrees_a_thread = 8;

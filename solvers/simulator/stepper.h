@@ -96,6 +96,9 @@ class Stepper {
     return springs_ == Springs::kIncluded ? Springs::kLeftOut : Springs::kIncluded;
   }
 
+  /// Threads of factors that could not be started.
+  int missing_threads() const { return threads_.missing(); }
+
   /// What the integrator remembers from step to step, to or from bytes (checkpoint_memory.cpp).
   void transfer(Archive& archive);
 

@@ -54,7 +54,10 @@ SymmetricMatrix random_matrix(int trial, std::mt19937& random) {
   const int blocks = static_cast<int>(sizes.size());
   std::uniform_int_distribution<int> block(0, blocks - 1);
   Edges edges;
-  for (int e = (1 + trial % 5) * blocks / 3; e > 0; --e) edges.emplace_back(block(random), block(random));
+  for (int e = (1 + trial % 5) * blocks / 3; e > 0; --e) {
+    const int i = block(random), j = block(random);
+    edges.emplace_back(i, j);
+  }
   return block_matrix(sizes, ordered(blocks, edges), random);
 }
 
@@ -95,6 +98,13 @@ class SharedFactorTest : public ::testing::TestWithParam<int> {
       expect_same_numbers(solution(alone, A.size()), solution(shared, A.size()));
     }
   }
+  /// Some diagonal entry is this.
+  void make_bad(SymmetricMatrix& A, double value) {
+    const int c = std::uniform_int_distribution<int>(0, A.size() - 1)(random_);
+    int t = A.column_start[c];
+    while (A.row_index[t] != c) ++t;
+    A.values[t] = value;
+  }
   detail::LazyPool threads_{GetParam()};
   std::mt19937 random_{11};
 };
@@ -130,15 +140,10 @@ TEST_P(SharedFactorTest, NamesTheSameFailedColumn) {
   MultifrontalFactor alone(front_kernels()), shared(front_kernels(), &threads_, kAll);
   alone.analyze(good);
   shared.analyze(good);
-  std::uniform_int_distribution<int> column(0, good.size() - 1);
   for (int trial = 0; trial < 300; ++trial) {
     SymmetricMatrix bad = good;
-    for (int k = 0; k <= trial % 4; ++k) {
-      const int c = column(random_);
-      int t = bad.column_start[c];
-      while (bad.row_index[t] != c) ++t;
-      bad.values[t] = trial % 5 == 4 ? std::numeric_limits<double>::quiet_NaN() : -1.0;
-    }
+    for (int k = 0; k <= trial % 4; ++k)
+      make_bad(bad, trial % 5 == 4 ? std::numeric_limits<double>::quiet_NaN() : -1.0);
     const int failed = alone.factorize(bad);
     ASSERT_GE(failed, 0);
     ASSERT_EQ(shared.factorize(bad), failed) << trial;
@@ -147,6 +152,26 @@ TEST_P(SharedFactorTest, NamesTheSameFailedColumn) {
       ASSERT_EQ(alone.factorize(good), -1);
       expect_same_panels(alone, shared);
     }
+  }
+}
+
+/// The same where the fronts' order is not the matrix's.
+TEST_P(SharedFactorTest, NamesTheSameFailedColumnOfMatricesThatAreNotPostordered) {
+  for (int trial = 0; trial < 300; ++trial) {
+    std::uniform_int_distribution<int> count(20, 80);
+    const int blocks = count(random_);
+    std::uniform_int_distribution<int> block(0, blocks - 1);
+    Edges edges;
+    for (int e = (1 + trial % 3) * blocks / 2; e > 0; --e) {
+      const int i = block(random_), j = block(random_);
+      edges.emplace_back(i, j);
+    }
+    SymmetricMatrix A = block_matrix(std::vector<int>(static_cast<std::size_t>(blocks), 2), edges, random_);
+    MultifrontalFactor alone(front_kernels()), shared(front_kernels(), &threads_, kAll);
+    alone.analyze(A);
+    shared.analyze(A);
+    for (int k = 0; k <= trial % 4; ++k) make_bad(A, -1);
+    ASSERT_EQ(shared.factorize(A), alone.factorize(A)) << trial;
   }
 }
 
@@ -161,7 +186,9 @@ TEST_P(SharedFactorTest, EndsEarlyAndRecovers) {
     const detail::InterruptScope::Question question = [&] { return ++asked > patience; };
     {
       const detail::InterruptScope scope(&question);
-      if (shared.shared()) EXPECT_THROW((void)shared.factorize(A), detail::Interrupted);
+      if (shared.shared()) {
+        EXPECT_THROW((void)shared.factorize(A), detail::Interrupted);
+      }
     }
     ASSERT_EQ(shared.factorize(A), -1);
     expect_same_panels(alone, shared);
