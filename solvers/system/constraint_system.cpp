@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "core/base/interruption.h"
+#include "core/base/shared_loop.h"
 #include "solvers/common/stopwatch.h"
 
 namespace taut {
@@ -67,6 +68,12 @@ void ConstraintSystem::analyze_primal() {
   const Stopwatch watch(counters_.analysis_time);
   primal_.analyze(*this);
   ++counters_.analyses;
+}
+
+detail::LazyPool* ConstraintSystem::loop_threads() const {
+  detail::LazyPool* threads = means_.threads;
+  const bool pays = rows().body_count() >= detail::SharedLoopTuning::kFrom;
+  return pays && threads != nullptr && threads->wanted() > 1 ? threads : nullptr;
 }
 
 void ConstraintSystem::take_counters(ConstraintSystem& part) {
