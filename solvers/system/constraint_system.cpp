@@ -6,14 +6,13 @@
 #include <utility>
 
 #include "core/base/interruption.h"
-#include "core/base/shared_loop.h"
 #include "solvers/common/stopwatch.h"
 
 namespace taut {
 
 ConstraintSystem::ConstraintSystem(const World& world, FactorChoice choice, RankTolerance tolerance,
                                    Rows::AxisRows axis_rows, Springs springs, const FactorMeans& means)
-    : LinearizedRows(world, axis_rows, springs),
+    : LinearizedRows(world, axis_rows, springs, means.threads),
       factor_choice_(choice),
       means_(means),
       choice_(world, rows()),
@@ -68,12 +67,6 @@ void ConstraintSystem::analyze_primal() {
   const Stopwatch watch(counters_.analysis_time);
   primal_.analyze(*this);
   ++counters_.analyses;
-}
-
-detail::LazyPool* ConstraintSystem::loop_threads() const {
-  detail::LazyPool* threads = means_.threads;
-  const bool pays = rows().body_count() >= detail::SharedLoopTuning::kFrom;
-  return pays && threads != nullptr && threads->wanted() > 1 ? threads : nullptr;
 }
 
 void ConstraintSystem::take_counters(ConstraintSystem& part) {

@@ -105,9 +105,6 @@ class ConstraintSystem : public LinearizedRows {
   /// condition of the scaled S.  Through bodies: not known, 0.
   double condition_estimate() const { return rank_.condition(); }
 
-  /// For loops over bodies or joints; null: these are too few, or there are no threads.
-  detail::LazyPool* loop_threads() const;
-
   const WorkCounters& counters() const { return counters_; }
   void reset_counters() { counters_ = {}; }
   /// Adds what the system of a part has done since this was last asked.
