@@ -154,12 +154,12 @@ void MultifrontalFactor::make_scratch(int most_rows) {
 
 int MultifrontalFactor::factorize_shared(const SymmetricMatrix& A) {
   SharedFactorization& shared = shared_->factorization;
-  constexpr int kNone = std::numeric_limits<int>::max();
-  shared.failed = kNone;
+  const int none = std::numeric_limits<int>::max();
+  shared.failed = none;
   for (int f : shared.cut.above) shared.waiting[f] = fronts_[f].child_end - fronts_[f].child_begin;
   const auto work = [&](int task, int worker) { factorize_task(A, task, worker); };
   shared_->pool->run(static_cast<int>(shared.cut.subtrees.size()), std::ref(work));
-  return shared.failed == kNone ? -1 : shared.failed.load();
+  return shared.failed == none ? -1 : shared.failed.load();
 }
 
 // A subtree, and the fronts above whose last child this thread has finished.  As by one thread, fronts are
