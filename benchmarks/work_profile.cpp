@@ -67,7 +67,7 @@ void linearize(ConstraintSystem& system, const World& world) {
 Json factor_json(const World& world) {
   OrderMemory orders;
   ConstraintSystem system(world, FactorChoice::kMultifrontal, RankTuning::kStepping,
-                          Rows::AxisRows::kIncluded, Springs::kLeftOut, &orders);
+                          Rows::AxisRows::kIncluded, Springs::kLeftOut, {&orders});
   linearize(system, world);
   StageTimes times;
   system.factorize(times);

@@ -24,6 +24,7 @@ struct ThreadPool::Impl {
   std::atomic<int> next{0};
   int tasks = 0, busy = 0;
   long round = 0;
+  bool open = false;  // a thread may still join the round
   bool stop = false;
   std::exception_ptr error;
   int missing = 0;
@@ -54,13 +55,15 @@ struct ThreadPool::Impl {
     }
   }
 
+  /// A thread that wakes after a round has ended, as on a busy machine, has missed it: nobody waits for it.
   void loop(int worker) {
     long seen = 0;
+    std::unique_lock lock(mutex);
     while (true) {
-      std::unique_lock lock(mutex);
-      wake.wait(lock, [&] { return stop || round != seen; });
+      wake.wait(lock, [&] { return stop || (open && round != seen); });
       if (stop) return;
       seen = round;
+      ++busy;
       lock.unlock();
       take_tasks(worker);
       lock.lock();
@@ -108,15 +111,25 @@ void ThreadPool::run(int tasks, const std::function<void(int, int)>& work) {
     impl_->question = InterruptScope::current();
     impl_->tasks = tasks;
     impl_->next = 0;
-    impl_->busy = static_cast<int>(impl_->threads.size());
     impl_->error = nullptr;
+    impl_->open = true;
     ++impl_->round;
   }
   impl_->wake.notify_all();
   impl_->take_tasks(0);
   std::unique_lock lock(impl_->mutex);
+  impl_->open = false;
   impl_->done.wait(lock, [&] { return impl_->busy == 0; });
   if (impl_->error) std::rethrow_exception(impl_->error);
+}
+
+LazyPool::LazyPool(int wanted, ThreadStarter start)
+    : wanted_(thread_count(wanted)), start_(std::move(start)) {}
+LazyPool::~LazyPool() = default;
+
+ThreadPool& LazyPool::get() {
+  if (!pool_) pool_ = std::make_unique<ThreadPool>(wanted_, start_);
+  return *pool_;
 }
 
 }  // namespace taut::detail

@@ -41,4 +41,24 @@ class ThreadPool {
   std::unique_ptr<Impl> impl_;
 };
 
+/// A pool that is made when there is work for it.
+class LazyPool {
+ public:
+  /// @param wanted threads; 0: as many as the machine has.
+  explicit LazyPool(int wanted, ThreadStarter start = start_thread);
+  ~LazyPool();
+  LazyPool(const LazyPool&) = delete;
+  LazyPool& operator=(const LazyPool&) = delete;
+
+  int wanted() const { return wanted_; }
+  ThreadPool& get();
+  /// Threads that could not be started.
+  int missing() const { return pool_ ? pool_->missing() : 0; }
+
+ private:
+  int wanted_;
+  ThreadStarter start_;
+  std::unique_ptr<ThreadPool> pool_;
+};
+
 }  // namespace taut::detail

@@ -113,8 +113,8 @@ struct Settings {  ///< How a Simulator steps; its constructor refuses what is o
   Solver solver = Solver::kDirect;            ///< how impulses are found
   int iterations = 50;    ///< sweeps of an iterative solver over all joints and contacts, per stage
   double relaxation = 1;  ///< ω of kGaussSeidel, between 0 and 2
-  /// For finding contacts and solving islands, at most 1024; 0: as many as the machine has.  The results have
-  /// the same bits with any number.
+  /// For finding contacts, solving islands, and large systems of one island; at most 1024; 0: as many as the
+  /// machine has.  The results have the same bits with any number.
   int threads = 0;
   /// Energies, momenta and the work of the constraint forces in each report.
   bool report_energy = true;

@@ -5,6 +5,7 @@
 #include <functional>
 #include <limits>
 
+#include "core/base/shared_loop.h"
 #include "core/constraints/row_products.h"
 #include "solvers/common/max_abs.h"
 #include "solvers/common/stopwatch.h"
@@ -208,14 +209,25 @@ void Rattle::kick_and_drift(double h, std::span<const double> lambda, std::span<
       if (!system_.mass()[b].fixed) kick(b);
     tension_.filter(phase_.state.poses, phase_.kicked);
   }
-  for (const Rows::BodyChunk& chunk : rows.chunks()) {
-    for (int b = chunk.begin; b < chunk.end; ++b) {
+  const auto drift = [&](int first, int last) {
+    for (int b = first; b < last; ++b) {
       if (system_.mass()[b].fixed) continue;
       if (!tension_.active()) kick(b);
       if (stages_.iterative()) phase_.kicked[b] = phase_.kicked[b] - absorbed_[b];
       q1[b] = free_flow(system_.mass(), b, phase_.state.poses[b], phase_.kicked[b].torque,
                         phase_.kicked[b].force, h);
     }
+  };
+  const std::vector<Rows::BodyChunk>& chunks = rows.chunks();
+  if (detail::LazyPool* threads = system_.loop_threads()) {
+    detail::for_ranges(*threads, world_.body_count(), drift);
+    detail::for_ranges(*threads, static_cast<int>(chunks.size()), [&](int first, int last) {
+      for (int k = first; k < last; ++k) rows.residual(end, phi, chunks[k]);
+    });
+    return;
+  }
+  for (const Rows::BodyChunk& chunk : chunks) {
+    drift(chunk.begin, chunk.end);
     rows.residual(end, phi, chunk);
   }
 }

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/shared_loop.h"
 #include "core/constraints/row_products.h"
 #include "solvers/common/max_abs.h"
 #include "solvers/integrators/kick_works.h"
@@ -158,13 +159,28 @@ template <typename Change>
 void VelocityProjection::twists_and_rates(Change change) {
   const Rows& rows = system_.rows();
   State& state = phase_.state;
-  for (int b = 0; b < std::ssize(state.poses); ++b) {
-    if (system_.inverse_mass(b).moves()) {
-      change(b);
-      state.twists[b] = system_.inverse_mass(b).twist(phase_.momenta[b]);
+  const auto twist = [&](int b) {
+    if (!system_.inverse_mass(b).moves()) return;
+    change(b);
+    state.twists[b] = system_.inverse_mass(b).twist(phase_.momenta[b]);
+  };
+  const auto rates = [&](const Rows::JointRows& joint) {
+    detail::rates_of(rows, joint, system_.jacobian(), state.twists, values_.joint_rates);
+  };
+  const int bodies = static_cast<int>(state.poses.size());
+  if (detail::LazyPool* threads = system_.loop_threads()) {
+    detail::for_ranges(*threads, bodies, [&](int begin, int end) {
+      for (int b = begin; b < end; ++b) twist(b);
+    });
+    detail::for_ranges(*threads, bodies, [&](int begin, int end) {
+      for (int b = begin; b < end; ++b)
+        for (int j : rows.joints_due(b)) rates(rows.joints()[j]);
+    });
+  } else {
+    for (int b = 0; b < bodies; ++b) {
+      twist(b);
+      for (int j : rows.joints_due(b)) rates(rows.joints()[j]);
     }
-    for (int j : rows.joints_due(b))
-      detail::rates_of(rows, rows.joints()[j], system_.jacobian(), state.twists, values_.joint_rates);
   }
   rows.add_rate(state, values_.joint_rates);
   clear_loose_rows(values_.joint_rates);

@@ -17,15 +17,33 @@ struct MultifrontalTuning {
 
 MultifrontalFactor::MultifrontalFactor() : MultifrontalFactor(front_kernels()) {}
 
+MultifrontalFactor::MultifrontalFactor(detail::LazyPool* threads)
+    : MultifrontalFactor(front_kernels(), threads) {}
+
+MultifrontalFactor::MultifrontalFactor(const FrontKernels& kernels, detail::LazyPool* threads,
+                                       const SharingTuning& sharing)
+    : kernels_(&kernels), threads_(threads), sharing_(sharing) {}
+
+MultifrontalFactor::~MultifrontalFactor() = default;
+
+std::size_t MultifrontalFactor::contribution_room() const {
+  std::size_t room = contributions_.size();
+  if (shared_)
+    for (const FrontScratch& scratch : shared_->scratch) room += scratch.contributions.size();
+  return room;
+}
+
 // The first column that fails in the matrix's order need not be the first met, where the fronts' order
 // differs from it. So fronts with earlier columns are still factored after a failure; what failed below them
 // can only spoil columns that come after the one already found.
 int MultifrontalFactor::factorize(const SymmetricMatrix& A) {
   assert(A.size() == size_);
+  if (shared_ && !shared_->factorization.cut.subtrees.empty()) return factorize_shared(A);
   int failed = -1;
+  const Places places{contributions_.data(), contributions_.data(), scratch_.pack.data()};
   for (const Front& front : fronts_) {
     if (failed >= 0 && front.first_column > failed) continue;
-    const int column = factorize_front(front, A);
+    const int column = factorize_front(front, A, places);
     if (column >= 0 && (failed < 0 || column < failed)) failed = column;
   }
   return failed;
@@ -33,20 +51,20 @@ int MultifrontalFactor::factorize(const SymmetricMatrix& A) {
 
 // The children's contributions to the pivot columns come before the factorisation, those to the parent's own
 // contribution after it: so the latter is written once by −L₂₁L₂₁ᵀ and need not be set to zero.
-int MultifrontalFactor::factorize_front(const Front& front, const SymmetricMatrix& A) {
+int MultifrontalFactor::factorize_front(const Front& front, const SymmetricMatrix& A, const Places& places) {
   double* panel = L_.data() + front.panel;
   assemble(front, A, panel);
   const auto diagonal = [&](int k) { return panel[k * (std::ptrdiff_t{front.leading} + 1)]; };
   for (int k = 0; k < front.pivots; ++k) pivots_[rows_[front.row_begin + k]] = diagonal(k);
   for (int k = front.child_begin; k < front.child_end; ++k) {
     const Front& child = fronts_[children_[k]];
-    kernels_->extend_add(panel, front.leading, contribution_of(child), contribution_leading(child),
-                         map_runs_.data() + child.map_begin, 0, child.map_pivot_end - child.map_begin,
-                         child.map_end - child.map_begin);
+    kernels_->extend_add(panel, front.leading, places.of_children + child.contribution,
+                         contribution_leading(child), map_runs_.data() + child.map_begin, 0,
+                         child.map_pivot_end - child.map_begin, child.map_end - child.map_begin);
   }
   const auto stop = front.rows >= MultifrontalTuning::kLongFront ? &detail::interrupted : nullptr;
   const int failed =
-      kernels_->factor_panel(panel, front.leading, front.rows, front.pivots, pack_.data(), stop);
+      kernels_->factor_panel(panel, front.leading, front.rows, front.pivots, places.pack, stop);
   if (failed == kStopped) throw detail::Interrupted{};
   if (failed >= 0) return rows_[front.row_begin + failed];
   for (int k = 0; k < front.pivots; ++k) {  // while they are near
@@ -56,15 +74,15 @@ int MultifrontalFactor::factorize_front(const Front& front, const SymmetricMatri
 
   const int m = front.rows - front.pivots, ldc = contribution_leading(front);
   if (m == 0) return -1;
-  double* C = contribution_of(front);
-  if (!kernels_->contribution(C, ldc, panel + front.pivots, front.leading, m, front.pivots, pack_.data(),
+  double* C = places.own + front.contribution;
+  if (!kernels_->contribution(C, ldc, panel + front.pivots, front.leading, m, front.pivots, places.pack,
                               stop))
     throw detail::Interrupted{};
   // The maps count front rows; C begins at the front's row and column p.
   double* origin = C - front.pivots - std::ptrdiff_t{front.pivots} * ldc;
   for (int k = front.child_begin; k < front.child_end; ++k) {
     const Front& child = fronts_[children_[k]];
-    kernels_->extend_add(origin, ldc, contribution_of(child), contribution_leading(child),
+    kernels_->extend_add(origin, ldc, places.of_children + child.contribution, contribution_leading(child),
                          map_runs_.data() + child.map_begin, child.map_pivot_end - child.map_begin,
                          child.map_end - child.map_begin, child.map_end - child.map_begin);
   }
@@ -84,12 +102,21 @@ void MultifrontalFactor::assemble(const Front& front, const SymmetricMatrix& A, 
 // Forward substitution from the leaves up, backward from the roots down.
 void MultifrontalFactor::solve(std::span<double> x) {
   assert(static_cast<int>(x.size()) == size_);
-  for (const Front& front : fronts_)
-    kernels_->forward(L_.data() + front.panel, front.leading, front.rows, front.pivots,
-                      rows_.data() + front.row_begin, x.data(), y_.data());
-  for (auto front = fronts_.rbegin(); front != fronts_.rend(); ++front)
-    kernels_->backward(L_.data() + front->panel, front->leading, front->pivots,
-                       rows_.data() + front->row_begin, x.data(), y_.data());
+  if (shared_ && !shared_->passes.cut.subtrees.empty()) return solve_shared(x);
+  double* y = scratch_.y.data();
+  for (const Front& front : fronts_) forward(front, front.rows, x.data(), y);
+  for (auto front = fronts_.rbegin(); front != fronts_.rend(); ++front) backward(*front, x.data(), y);
+}
+
+// What it adds to its first `rows` rows; for those behind, it is left in y.
+void MultifrontalFactor::forward(const Front& front, int rows, double* x, double* y) const {
+  kernels_->forward(L_.data() + front.panel, front.leading, rows, front.pivots,
+                    rows_.data() + front.row_begin, x, y);
+}
+
+void MultifrontalFactor::backward(const Front& front, double* x, double* y) const {
+  kernels_->backward(L_.data() + front.panel, front.leading, front.pivots, rows_.data() + front.row_begin, x,
+                     y);
 }
 
 }  // namespace taut

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <string>
 #include <vector>
@@ -9,6 +10,7 @@
 #include "solvers/linear/assembly_tree.h"
 #include "solvers/linear/factor.h"
 #include "solvers/linear/front_kernels.h"
+#include "solvers/linear/shared_fronts.h"
 
 namespace taut {
 
@@ -25,10 +27,17 @@ namespace taut {
 /// contribution's rows map to its parent's.  factorize() and solve() then run through lists of contiguous
 /// runs; they do not search, allocate, call BLAS or start threads, and give the same bits run to run on one
 /// machine.  They throw only where a long factorisation is interrupted (core/base/interruption.h).
+///
+/// Given a pool, large factorisations and solves are shared among its threads, with the same bits as by one.
+/// Then no two calls may be made at a time, not even of other factors with that pool.
 class MultifrontalFactor final : public Factor {
  public:
   MultifrontalFactor();
-  explicit MultifrontalFactor(const FrontKernels& kernels) : kernels_(&kernels) {}
+  /// @param threads null: there is but the caller's.  Must outlive this.
+  explicit MultifrontalFactor(const FrontKernels& kernels, detail::LazyPool* threads = nullptr,
+                              const SharingTuning& sharing = {});
+  explicit MultifrontalFactor(detail::LazyPool* threads);
+  ~MultifrontalFactor() override;
 
   SymmetricMatrix::Triangle triangle() const override { return SymmetricMatrix::Triangle::kLower; }
   /// @throws std::invalid_argument if A holds its upper triangle or lacks a diagonal block.
@@ -57,6 +66,12 @@ class MultifrontalFactor final : public Factor {
     int column_begin = 0, column_end = 0;               ///< in columns_
   };
   const std::vector<Front>& fronts() const { return fronts_; }
+  /// The panels of the fronts.
+  std::span<const double> panels() const { return L_; }
+  /// Room for contributions [numbers], of all threads.
+  std::size_t contribution_room() const;
+  /// How threads share the work; null if they do not.
+  const SharedFronts* shared() const { return shared_.get(); }
 
  private:
   // A block column of A and its runs: `width` scalar columns, `length` numbers each, from `place` on.
@@ -67,18 +82,41 @@ class MultifrontalFactor final : public Factor {
   };
 
   void plan_fronts(const SymmetricMatrix& A, const AssemblyTree& tree);
+  void plan_panels();
   void plan_contributions();
+  std::int64_t stack_contributions(int begin, int end);
   void plan_runs(const SymmetricMatrix& A, const AssemblyTree& tree);
   void plan_map(const Front& parent, Front& child, const std::vector<int>& position);
   void plan_columns(const SymmetricMatrix& A, const AssemblyTree& tree, int f,
                     const std::vector<int>& position);
 
-  int factorize_front(const Front& front, const SymmetricMatrix& A);
+  // Threads.
+  void plan_sharing();
+  void plan_outside();
+  void make_scratch(int most_rows);
+  void plan_shared_contributions();
+  int factorize_shared(const SymmetricMatrix& A);
+  void factorize_task(const SymmetricMatrix& A, int task, int worker);
+  void solve_shared(std::span<double> x);
+  void forward_subtree(int subtree, double* x, double* y);
+  void forward_above(double* x, double* y);
+
+  /// Where contributions begin, and room for packing.
+  struct Places {
+    double *of_children, *own, *pack;
+  };
+  int factorize_front(const Front& front, const SymmetricMatrix& A, const Places& places);
   void assemble(const Front& front, const SymmetricMatrix& A, double* panel) const;
-  double* contribution_of(const Front& front) { return contributions_.data() + front.contribution; }
+  void forward(const Front& front, int rows, double* x, double* y) const;
+  void backward(const Front& front, double* x, double* y) const;
   static int contribution_leading(const Front& front) { return (front.rows - front.pivots + 3) & ~3; }
+  static std::int64_t contribution_area(const Front& front) {
+    return std::int64_t{contribution_leading(front)} * (front.rows - front.pivots);
+  }
 
   const FrontKernels* kernels_;
+  detail::LazyPool* threads_ = nullptr;
+  SharingTuning sharing_;
   int size_ = 0;
   double flops_ = 0.0;
   std::int64_t nonzeros_ = 0;
@@ -90,9 +128,9 @@ class MultifrontalFactor final : public Factor {
   std::vector<RowRun> map_runs_;     // contribution rows → parent's front rows
   AlignedVector<double> L_;          // panels, front after front
   AlignedVector<double> contributions_;
-  AlignedVector<double> pack_;
-  std::vector<double> pivots_;  // D_ii / A_ii of the last factorisation
-  AlignedVector<double> y_;     // a front's part of x
+  std::unique_ptr<SharedFronts> shared_;  // null: one thread does all
+  std::vector<double> pivots_;            // D_ii / A_ii of the last factorisation
+  FrontScratch scratch_;                  // of the caller alone
 };
 
 }  // namespace taut

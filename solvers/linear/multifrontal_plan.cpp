@@ -40,22 +40,23 @@ void MultifrontalFactor::analyze(const SymmetricMatrix& A) {
   pivots_.assign(size_, 0.0);
   const AssemblyTree tree = build_assembly_tree(A);
   plan_fronts(A, tree);
+  plan_sharing();
+  plan_panels();
   plan_contributions();
   plan_runs(A, tree);
+  plan_outside();
 
   int rows = 0;
   for (const Front& front : fronts_) rows = std::max(rows, front.leading);
-  y_.assign(static_cast<std::size_t>(rows), 0.0);
-  pack_.assign(packed_size(rows), 0.0);
+  make_scratch(rows);
 }
 
-// Sizes, panels and children.
+// Sizes and children.
 void MultifrontalFactor::plan_fronts(const SymmetricMatrix& A, const AssemblyTree& tree) {
   const auto width = [&](int block) { return A.block_start[block + 1] - A.block_start[block]; };
   fronts_.assign(static_cast<std::size_t>(tree.size()), {});
   flops_ = 0.0;
   nonzeros_ = 0;
-  std::int64_t panels = 0;
   for (int f = 0; f < tree.size(); ++f) {
     Front& front = fronts_[f];
     for (int t = tree.pivot_start[f]; t < tree.pivot_start[f + 1]; ++t) front.pivots += width(tree.pivots[t]);
@@ -65,17 +66,12 @@ void MultifrontalFactor::plan_fronts(const SymmetricMatrix& A, const AssemblyTre
     front.parent = tree.parent[f];
     front.first_column = A.block_start[*std::min_element(tree.pivots.begin() + tree.pivot_start[f],
                                                          tree.pivots.begin() + tree.pivot_start[f + 1])];
-    front.panel = panels;
-    panels += std::int64_t{front.leading} * front.pivots;
     for (int j = 0; j < front.pivots; ++j) {
       const double below = front.rows - j;
       nonzeros_ += front.rows - j;
       flops_ += below * below;
     }
   }
-  // The kernels read up to three numbers behind the last panel.
-  L_.assign(static_cast<std::size_t>(panels) + 4, 0.0);
-
   children_.clear();
   std::vector<std::vector<int>> children(fronts_.size());
   for (int f = 0; f < tree.size(); ++f)
@@ -87,30 +83,51 @@ void MultifrontalFactor::plan_fronts(const SymmetricMatrix& A, const AssemblyTre
   }
 }
 
-// Two stacks, one for the fronts of even depth and one for those of odd depth.  In postorder, a front's
-// children lie on top of one stack when it is factored, and its own contribution goes on top of the other,
-// above its elder brothers': so nothing is moved, and children and parent never overlap.  All places are
-// known beforehand.
-void MultifrontalFactor::plan_contributions() {
-  std::vector<char> odd(fronts_.size(), 0);
-  for (std::size_t f = fronts_.size(); f-- > 0;)
-    if (fronts_[f].parent >= 0) odd[f] = !odd[fronts_[f].parent];
-  const auto area = [](const Front& front) {
-    return std::int64_t{contribution_leading(front)} * (front.rows - front.pivots);
-  };
-  std::int64_t top[2] = {0, 0}, height[2] = {0, 0};
+// Front after front.  The kernels read, and write back, up to three numbers behind a panel: what another
+// thread may be working on begins farther away.
+void MultifrontalFactor::plan_panels() {
+  std::vector<char> ends_task(fronts_.size(), 0);
+  if (shared_) {
+    for (const TreeCut::Subtree& subtree : shared_->factorization.cut.subtrees) ends_task[subtree.root()] = 1;
+    for (int f : shared_->factorization.cut.above) ends_task[f] = 1;
+  }
+  std::int64_t panels = 0;
   for (std::size_t f = 0; f < fronts_.size(); ++f) {
+    fronts_[f].panel = panels;
+    panels += std::int64_t{fronts_[f].leading} * fronts_[f].pivots + (ends_task[f] ? 4 : 0);
+  }
+  L_.assign(static_cast<std::size_t>(panels) + 4, 0.0);
+}
+
+void MultifrontalFactor::plan_contributions() {
+  if (shared_ && !shared_->factorization.cut.subtrees.empty()) return plan_shared_contributions();
+  const std::int64_t room = stack_contributions(0, static_cast<int>(fronts_.size()));
+  // As behind the panels, kernels read behind the last contribution.
+  contributions_.assign(static_cast<std::size_t>(room) + 4, 0.0);
+}
+
+// Two stacks for fronts that are a subtree with or without its root, one for those of even depth and one for
+// those of odd depth.  In postorder, a front's children lie on top of one stack when it is factored, and its
+// own contribution goes on top of the other, above its elder brothers': so nothing is moved, and children and
+// parent never overlap.  All places are known beforehand.
+std::int64_t MultifrontalFactor::stack_contributions(int begin, int end) {
+  std::vector<char> odd(static_cast<std::size_t>(end - begin), 0);
+  for (int f = end; f-- > begin;)
+    if (const int parent = fronts_[f].parent; parent >= 0 && parent < end)
+      odd[f - begin] = !odd[parent - begin];
+  std::int64_t top[2] = {0, 0}, height[2] = {0, 0};
+  for (int f = begin; f < end; ++f) {
     Front& front = fronts_[f];
-    const int side = odd[f] ? 1 : 0;
-    for (int k = front.child_begin; k < front.child_end; ++k) top[1 - side] -= area(fronts_[children_[k]]);
+    const int side = odd[f - begin] ? 1 : 0;
+    for (int k = front.child_begin; k < front.child_end; ++k)
+      top[1 - side] -= contribution_area(fronts_[children_[k]]);
     front.contribution = top[side];
-    top[side] += area(front);
+    top[side] += contribution_area(front);
     height[side] = std::max(height[side], top[side]);
   }
-  for (std::size_t f = 0; f < fronts_.size(); ++f)
-    if (odd[f]) fronts_[f].contribution += height[0];
-  // As behind the panels, kernels read behind the last contribution.
-  contributions_.assign(static_cast<std::size_t>(height[0] + height[1]) + 4, 0.0);
+  for (int f = begin; f < end; ++f)
+    if (odd[f - begin]) fronts_[f].contribution += height[0];
+  return height[0] + height[1];
 }
 
 // The fronts' rows, and the runs of A's columns and of the children's contributions to front rows.

@@ -5,10 +5,11 @@
 
 namespace taut {
 
-void report_detection(const Scheme& scheme, StepReport& report) {
+void report_detection(const Stepper& stepper, StepReport& report) {
+  const Scheme& scheme = stepper.scheme();
   constexpr std::size_t kNamed = 8;
-  report.missing_threads =
-      std::max(scheme.contacts().cache().detection().missing_threads, scheme.missing_threads());
+  report.missing_threads = std::max({scheme.contacts().cache().detection().missing_threads,
+                                     scheme.missing_threads(), stepper.missing_threads()});
   if (scheme.contacts().empty()) return;
   const auto& unsupported = scheme.contacts().cache().detection().unsupported;
   report.unsupported_pairs = static_cast<int>(unsupported.size());

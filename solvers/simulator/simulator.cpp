@@ -149,7 +149,7 @@ void Simulator::Impl::fall_asleep() {
 void Simulator::Impl::end_step() {
   report_.ok() ? loads_.clear() : stay_where_it_was();
   end_versions_ = versions();
-  if (stepper_.made()) report_detection(stepper_.scheme(), report_);
+  if (stepper_.made()) report_detection(stepper_, report_);
   report_.asleep = source_.asleep_count();
   count_work();
   if (!settings_.report_rank || !report_.ok()) return;

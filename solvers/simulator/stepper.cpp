@@ -15,7 +15,8 @@ Stepper::Stepper(const World& world, const World& named, const Settings& setting
       settings_(settings),
       springs_(settings.integrator == Integrator::kRattle || settings.integrator == Integrator::kMoreauJean
                    ? Springs::kIncluded
-                   : Springs::kLeftOut) {}
+                   : Springs::kLeftOut),
+      threads_(settings.threads) {}
 
 bool Stepper::knows_topology() const {
   return made() && topology_version_ == world_.topology_version() &&
@@ -27,7 +28,8 @@ bool Stepper::knows_pattern() const { return knows_topology() && sleep_version_ 
 void Stepper::renew() {
   auto system = std::make_unique<ConstraintSystem>(
       world_, settings_.factor, RankTuning::kStepping, Rows::AxisRows::kIncluded, springs_,
-      settings_.solver == Solver::kDirect ? &orders_ : nullptr);  // others factor nothing
+      FactorMeans{settings_.solver == Solver::kDirect ? &orders_ : nullptr,
+                  &threads_});  // others factor nothing
   scheme_.reset();
   system_ = std::move(system);
   scheme_ = make_scheme();

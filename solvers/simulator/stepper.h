@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "core/base/thread_pool.h"
 #include "core/world/world.h"
 #include "solvers/common/settings.h"
 #include "solvers/integrators/scheme.h"
@@ -95,6 +96,9 @@ class Stepper {
     return springs_ == Springs::kIncluded ? Springs::kLeftOut : Springs::kIncluded;
   }
 
+  /// Threads of factors that could not be started.
+  int missing_threads() const { return threads_.missing(); }
+
   /// What the integrator remembers from step to step, to or from bytes (checkpoint_memory.cpp).
   void transfer(Archive& archive);
 
@@ -103,8 +107,9 @@ class Stepper {
 
   const World &world_, &named_;
   const Settings& settings_;
-  Springs springs_;     // among the rows
-  OrderMemory orders_;  // of elimination
+  Springs springs_;           // among the rows
+  OrderMemory orders_;        // of elimination
+  detail::LazyPool threads_;  // of factors
   std::unique_ptr<ConstraintSystem> system_;
   std::unique_ptr<Scheme> scheme_;
   std::int64_t topology_version_ = -1, geometry_version_ = -1, sleep_version_ = -1, state_version_ = -1,

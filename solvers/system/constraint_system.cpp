@@ -11,12 +11,12 @@
 namespace taut {
 
 ConstraintSystem::ConstraintSystem(const World& world, FactorChoice choice, RankTolerance tolerance,
-                                   Rows::AxisRows axis_rows, Springs springs, OrderMemory* orders)
-    : LinearizedRows(world, axis_rows, springs),
+                                   Rows::AxisRows axis_rows, Springs springs, const FactorMeans& means)
+    : LinearizedRows(world, axis_rows, springs, means.threads),
       factor_choice_(choice),
-      orders_(orders),
+      means_(means),
       choice_(world, rows()),
-      primal_(choice, orders),
+      primal_(choice, means),
       rank_(tolerance) {
   analyze();
 }
@@ -51,7 +51,7 @@ void ConstraintSystem::analyze() {
       delassus_.reset();
       rank_.forget();
     } else {
-      delassus_ = std::make_unique<DelassusSystem>(*this, factor_choice_, orders_);
+      delassus_ = std::make_unique<DelassusSystem>(*this, factor_choice_, means_);
       ++counters_.analyses;
     }
   }

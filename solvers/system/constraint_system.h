@@ -37,12 +37,11 @@ struct WorkCounters {
 /// that one is factored in its place (primal_choice.h): the same solves, with ε on the rows that are free.
 class ConstraintSystem : public LinearizedRows {
  public:
-  /// With a memory, which outlives it, patterns without contacts get the cheapest order that is found.
   ConstraintSystem(const World& world, FactorChoice choice, RankTolerance tolerance = RankTuning::kStepping,
                    Rows::AxisRows axis_rows = Rows::AxisRows::kIncluded, Springs springs = Springs::kLeftOut,
-                   OrderMemory* orders = nullptr);
-  /// A part of a system by itself, to be solved through its bodies with values from there.  `new_body`:
-  /// scratch.
+                   const FactorMeans& means = {});
+  /// A part of a system by itself, to be solved through its bodies with values from there, on one thread.
+  /// `new_body`: scratch.
   ConstraintSystem(const ConstraintSystem& whole, const SystemPart& part, std::vector<int>& new_body);
 
   /// Other slots for contacts from now on: a new pattern, order and analysis.  The world must have the
@@ -137,7 +136,7 @@ class ConstraintSystem : public LinearizedRows {
   void update_count(StageTimes& times);
 
   FactorChoice factor_choice_;
-  OrderMemory* orders_ = nullptr;
+  FactorMeans means_;
   PrimalChoice choice_;
   std::unique_ptr<DelassusSystem> delassus_;  // where it is chosen
   PrimalSystem primal_;

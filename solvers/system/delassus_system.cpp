@@ -2,17 +2,16 @@
 
 #include <algorithm>
 
-#include "solvers/system/make_factor.h"
-
 namespace taut {
 
-DelassusSystem::DelassusSystem(const LinearizedRows& rows, FactorChoice choice, OrderMemory* orders)
-    : DelassusSystem(rows,
-                     order_blocks(joint_graph(rows.rows(), rows.mass()), rows.lasts() ? orders : nullptr),
-                     choice) {}
+DelassusSystem::DelassusSystem(const LinearizedRows& rows, FactorChoice choice, const FactorMeans& means)
+    : DelassusSystem(
+          rows, order_blocks(joint_graph(rows.rows(), rows.mass()), rows.lasts() ? means.orders : nullptr),
+          choice, means) {}
 
-DelassusSystem::DelassusSystem(const LinearizedRows& rows, const BlockOrdering& ordering, FactorChoice choice)
-    : factor_(make_factor(choice, ordering, rows.row_count())),
+DelassusSystem::DelassusSystem(const LinearizedRows& rows, const BlockOrdering& ordering, FactorChoice choice,
+                               const FactorMeans& means)
+    : factor_(make_factor(choice, ordering, rows.row_count(), means)),
       matrix_(rows.rows(), rows.mass(), ordering, factor_->triangle()) {
   factor_->analyze(matrix_.matrix());
   const int n = rows.row_count();

@@ -8,6 +8,7 @@
 #include "solvers/linear/factor.h"
 #include "solvers/system/delassus_matrix.h"
 #include "solvers/system/linearized_rows.h"
+#include "solvers/system/make_factor.h"
 #include "solvers/system/row_states.h"
 
 namespace taut {
@@ -16,8 +17,8 @@ namespace taut {
 /// diagonal entry only.  (solvers/system, "Delassus matrix")
 class DelassusSystem {
  public:
-  /// Order, pattern and symbolic factor. `orders`: as of ConstraintSystem.
-  DelassusSystem(const LinearizedRows& rows, FactorChoice choice, OrderMemory* orders = nullptr);
+  /// Order, pattern and symbolic factor.
+  DelassusSystem(const LinearizedRows& rows, FactorChoice choice, const FactorMeans& means = {});
 
   /// S of the bodies that a chunk settles, all rows free, no shift: assemble() has no more to do if neither J
   /// nor A changes after the last chunk.
@@ -36,7 +37,8 @@ class DelassusSystem {
   const Factor& factor() const { return *factor_; }
 
  private:
-  DelassusSystem(const LinearizedRows& rows, const BlockOrdering& ordering, FactorChoice choice);
+  DelassusSystem(const LinearizedRows& rows, const BlockOrdering& ordering, FactorChoice choice,
+                 const FactorMeans& means);
   std::span<const double> masked_weighted(LinearizedRows& rows, const RowStates& states);
 
   std::unique_ptr<Factor> factor_;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/shared_loop.h"
 #include "core/constraints/six_vector.h"
 #include "solvers/system/delassus_matrix.h"
 
@@ -22,8 +23,13 @@ Rows rows_of(const World& world, Rows::AxisRows axis_rows, std::span<const Rows:
 
 }  // namespace
 
-LinearizedRows::LinearizedRows(const World& world, Rows::AxisRows axis_rows, Springs springs)
-    : axis_rows_(axis_rows), springs_(springs), rows_(rows_of(world, axis_rows, {}, springs)), mass_(world) {
+LinearizedRows::LinearizedRows(const World& world, Rows::AxisRows axis_rows, Springs springs,
+                               detail::LazyPool* threads)
+    : axis_rows_(axis_rows),
+      springs_(springs),
+      threads_(threads),
+      rows_(rows_of(world, axis_rows, {}, springs)),
+      mass_(world) {
   make_room();
 }
 
@@ -34,6 +40,11 @@ LinearizedRows::LinearizedRows(const LinearizedRows& whole, const SystemPart& pa
       rows_(rows_of(whole.rows_, part, new_body)),
       mass_(whole.mass_, part.bodies) {
   make_room();
+}
+
+detail::LazyPool* LinearizedRows::loop_threads() const {
+  const bool pays = rows_.body_count() >= detail::SharedLoopTuning::kFrom;
+  return pays && threads_ != nullptr && threads_->wanted() > 1 ? threads_ : nullptr;
 }
 
 void LinearizedRows::remake_rows(const World& world, std::span<const Rows::ContactSlot> slots) {

@@ -3,6 +3,7 @@
 #include <span>
 #include <vector>
 
+#include "core/base/thread_pool.h"
 #include "core/constraints/rows.h"
 #include "core/world/world.h"
 #include "solvers/system/inverse_mass_root.h"
@@ -19,7 +20,9 @@ namespace taut {
 /// "Delassus matrix")
 class LinearizedRows {
  public:
-  LinearizedRows(const World& world, Rows::AxisRows axis_rows, Springs springs);
+  /// `threads`, for loops over bodies and joints, may be null, or outlive it.
+  LinearizedRows(const World& world, Rows::AxisRows axis_rows, Springs springs,
+                 detail::LazyPool* threads = nullptr);
   /// The rows of a part by themselves, with values from take_values().  `new_body`: scratch.
   LinearizedRows(const LinearizedRows& whole, const SystemPart& part, std::vector<int>& new_body);
   /// J, A and W of that part.
@@ -35,6 +38,9 @@ class LinearizedRows {
   bool has_bounded_rows() const { return !rows_.axis_rows().empty() || rows_.contact_count() > 0; }
   /// Zeroes the entries of axis and contact rows.
   void clear_bounded_rows(std::span<double> values) const;
+
+  /// For loops over bodies or joints; null: these are too few, or there are no threads.
+  detail::LazyPool* loop_threads() const;
 
   /// The contact of a slot from the next linearize() on.
   void set_contact(int slot, const row_parts::ContactPoint& point) { rows_.set_contact(slot, point); }
@@ -103,6 +109,7 @@ class LinearizedRows {
 
   Rows::AxisRows axis_rows_;
   Springs springs_;
+  detail::LazyPool* threads_ = nullptr;
   Rows rows_;
   MassMatrix mass_;
   std::vector<double> jacobian_, weighted_;

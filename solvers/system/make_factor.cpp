@@ -7,7 +7,8 @@
 namespace taut {
 namespace {
 
-std::unique_ptr<Factor> make_chosen(FactorChoice choice, const BlockOrdering& ordering, int rows) {
+std::unique_ptr<Factor> make_chosen(FactorChoice choice, const BlockOrdering& ordering, int rows,
+                                    detail::LazyPool* threads) {
   using Method = CholmodFactor::Method;
   // CHOLMOD's own switch: dense kernels pay from about 40 flops per entry of L.
   if (choice == FactorChoice::kCholmod)
@@ -23,14 +24,15 @@ std::unique_ptr<Factor> make_chosen(FactorChoice choice, const BlockOrdering& or
       return std::make_unique<CholmodFactor>(CholmodFactor::has_supernodal() ? Method::kSupernodal
                                                                              : Method::kSimplicial);
     default:
-      return std::make_unique<MultifrontalFactor>();
+      return std::make_unique<MultifrontalFactor>(threads);
   }
 }
 
 }  // namespace
 
-std::unique_ptr<Factor> make_factor(FactorChoice choice, const BlockOrdering& ordering, int rows) {
-  std::unique_ptr<Factor> factor = make_chosen(choice, ordering, rows);
+std::unique_ptr<Factor> make_factor(FactorChoice choice, const BlockOrdering& ordering, int rows,
+                                    const FactorMeans& means) {
+  std::unique_ptr<Factor> factor = make_chosen(choice, ordering, rows, means.threads);
   factor->set_ordering(ordering.method);
   return factor;
 }

@@ -8,9 +8,20 @@
 
 namespace taut {
 
+namespace detail {
+class LazyPool;
+}
+
+/// What factors may use.  Each may be null, or outlives them.
+struct FactorMeans {
+  OrderMemory* orders = nullptr;        ///< patterns that last get the cheapest order that is found
+  detail::LazyPool* threads = nullptr;  ///< large work is shared among them
+};
+
 /// The factor that is chosen, for a matrix of so many rows in this order.  FactorChoice::kCholmod takes the
 /// simplicial one where dense kernels do not pay, kDense the multifrontal one where a dense matrix is too
 /// large.
-std::unique_ptr<Factor> make_factor(FactorChoice choice, const BlockOrdering& ordering, int rows);
+std::unique_ptr<Factor> make_factor(FactorChoice choice, const BlockOrdering& ordering, int rows,
+                                    const FactorMeans& means = {});
 
 }  // namespace taut

@@ -3,7 +3,6 @@
 #include <algorithm>
 
 #include "solvers/common/stopwatch.h"
-#include "solvers/system/make_factor.h"
 
 namespace taut {
 
@@ -15,9 +14,9 @@ void PrimalSystem::forget_pattern() {
 
 const BlockOrdering& PrimalSystem::order(const LinearizedRows& rows) {
   if (!ordering_) {
-    ordering_ =
-        order_blocks(body_graph(rows.rows(), rows.mass(), body_of_node_), rows.lasts() ? orders_ : nullptr);
-    factor_ = make_factor(choice_, *ordering_, 6 * static_cast<int>(body_of_node_.size()));
+    ordering_ = order_blocks(body_graph(rows.rows(), rows.mass(), body_of_node_),
+                             rows.lasts() ? means_.orders : nullptr);
+    factor_ = make_factor(choice_, *ordering_, 6 * static_cast<int>(body_of_node_.size()), means_);
   }
   return *ordering_;
 }

@@ -10,6 +10,7 @@
 #include "solvers/linear/block_ordering.h"
 #include "solvers/linear/factor.h"
 #include "solvers/system/linearized_rows.h"
+#include "solvers/system/make_factor.h"
 #include "solvers/system/primal_matrix.h"
 #include "solvers/system/row_states.h"
 
@@ -20,9 +21,8 @@ namespace taut {
 /// (solvers/system, "Primal matrix")
 class PrimalSystem {
  public:
-  /// `orders`: as of ConstraintSystem.
-  explicit PrimalSystem(FactorChoice choice, OrderMemory* orders = nullptr)
-      : choice_(choice), orders_(orders) {}
+  explicit PrimalSystem(FactorChoice choice, const FactorMeans& means = {})
+      : choice_(choice), means_(means) {}
   /// The rows have another pattern: order and analysis are to be made anew.
   void forget_pattern();
   /// The order of elimination.
@@ -47,7 +47,7 @@ class PrimalSystem {
 
  private:
   FactorChoice choice_;
-  OrderMemory* orders_;
+  FactorMeans means_;
   std::optional<BlockOrdering> ordering_;
   std::vector<int> body_of_node_;
   std::unique_ptr<Factor> factor_;

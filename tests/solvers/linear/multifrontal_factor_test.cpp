@@ -8,48 +8,15 @@
 #include <cmath>
 #include <limits>
 #include <random>
-#include <set>
-#include <utility>
 #include <vector>
 
 #include "tests/allocation_counter.h"
+#include "tests/solvers/linear/block_matrices.h"
 
 namespace taut::multifrontal_factor_test {
 namespace {
 
-using Edges = std::vector<std::pair<int, int>>;
-
-// A symmetric matrix whose blocks couple along the edges, with random values in [−1, 1] off the diagonal,
-// made positive definite by diagonal dominance.  The upper triangles of the diagonal blocks hold NaN: nobody
-// may read them.
-SymmetricMatrix block_matrix(const std::vector<int>& sizes, const Edges& edges, std::mt19937& random) {
-  SymmetricMatrix A;
-  for (int s : sizes) A.block_start.push_back(A.block_start.back() + s);
-  std::vector<std::set<int>> below(sizes.size());
-  for (auto [i, j] : edges)
-    if (i != j) below[std::min(i, j)].insert(std::max(i, j));
-  std::uniform_real_distribution<double> value(-1.0, 1.0);
-  std::vector<double> sums(A.size(), 0.0);
-  for (int b = 0; b < A.block_count(); ++b) {
-    below[b].insert(b);
-    for (int c = A.block_start[b]; c < A.block_start[b + 1]; ++c) {
-      for (int i : below[b]) {
-        for (int r = A.block_start[i]; r < A.block_start[i + 1]; ++r) {
-          A.row_index.push_back(r);
-          A.values.push_back(r < c ? std::numeric_limits<double>::quiet_NaN() : value(random));
-          if (r <= c) continue;
-          sums[r] += std::abs(A.values.back());
-          sums[c] += std::abs(A.values.back());
-        }
-      }
-      A.column_start.push_back(static_cast<int>(A.values.size()));
-    }
-  }
-  for (int c = 0; c < A.size(); ++c)
-    for (int t = A.column_start[c]; t < A.column_start[c + 1]; ++t)
-      if (A.row_index[t] == c) A.values[t] = 0.1 + sums[c];
-  return A;
-}
+using namespace block_matrices;
 
 Eigen::MatrixXd dense(const SymmetricMatrix& A) {
   Eigen::MatrixXd D = Eigen::MatrixXd::Zero(A.size(), A.size());
@@ -142,17 +109,6 @@ void expect_factor(MultifrontalFactor& factor, const SymmetricMatrix& A, std::mt
   EXPECT_LE((x - expected).lpNorm<Eigen::Infinity>(), kTolerance * expected.lpNorm<Eigen::Infinity>());
   const Eigen::MatrixXd L = llt.matrixL();
   for (int j = 0; j < A.size(); ++j) EXPECT_NEAR(d[j], L(j, j) * L(j, j), kTolerance * d[j]) << "pivot " << j;
-}
-
-Edges grid_edges(int width, int height) {
-  Edges edges;
-  for (int y = 0; y < height; ++y) {
-    for (int x = 0; x < width; ++x) {
-      if (x + 1 < width) edges.emplace_back(y * width + x, y * width + x + 1);
-      if (y + 1 < height) edges.emplace_back(y * width + x, (y + 1) * width + x);
-    }
-  }
-  return edges;
 }
 
 class MultifrontalFactorTest : public ::testing::TestWithParam<const FrontKernels*> {

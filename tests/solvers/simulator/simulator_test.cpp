@@ -7,9 +7,11 @@
 #include <cstring>
 #include <limits>
 #include <numbers>
+#include <optional>
 #include <random>
 
 #include "core/joints/joints.h"
+#include "core/state/same_state.h"
 #include "core/world/diagnostics.h"
 #include "scenes/builders/scene.h"
 #include "tests/solvers/simulator/joint_scenes.h"
@@ -423,6 +425,21 @@ TEST(Factors, AgreeOnABridge) {
     const Vec3 p = scene.world.pose(BodyId{20}).p;
     if (choice == FactorChoice::kAuto) reference = p;
     EXPECT_LT((p - reference).norm(), 1e-9);
+  }
+}
+
+/// One island of joints that is large enough to be shared.
+TEST(Threads, GiveTheSameBitsOnANet) {
+  std::optional<State> first;
+  for (const int threads : {1, 2, 4}) {
+    Scene scene = build_scene("net-corners", {{"n", 52}});
+    Settings settings;
+    settings.threads = threads;
+    Simulator simulator(scene.world, settings);
+    for (int i = 0; i < 5; ++i) ASSERT_TRUE(simulator.step(1e-3).exact());
+    EXPECT_EQ(simulator.report().missing_threads, 0);
+    if (!first) first = scene.world.state();
+    EXPECT_TRUE(same(scene.world.state(), *first)) << threads;
   }
 }
 

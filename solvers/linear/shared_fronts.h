@@ -1,0 +1,68 @@
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <vector>
+
+#include "core/base/thread_pool.h"
+#include "solvers/linear/aligned_vector.h"
+#include "solvers/linear/tree_cut.h"
+
+namespace taut {
+
+/// Which factorisations and solves are shared among threads.  No bit of a result depends on it.
+struct SharingTuning {
+  /// Modelled time of a factorisation (FrontCost) [ns] from which on waking threads pays. Measured.
+  double factor_from = 2e6;
+  /// Bytes of L, which a solve reads twice, from which on it does. Measured.
+  double solve_from = 8e6;
+  /// Subtrees of a factorisation cost at most this part of a thread's share, so that shares even out: a study
+  /// of nets found 8 to do.
+  double subtrees_a_thread = 8;
+  /// The longest path through the tree may be at most this part of the whole. Chosen.
+  double longest_path = 0.8;
+};
+
+/// Where a front is worked on.
+struct FrontScratch {
+  AlignedVector<double> contributions;  ///< of fronts within a subtree
+  AlignedVector<double> pack;
+  AlignedVector<double> y;  ///< a front's part of x
+};
+
+/// What threads need beside the plan of a factorisation to share it.
+///
+/// A thread takes subtrees, whose contributions are on stacks of its own but for that of the root.  Who
+/// finishes the last child of a front above goes on with it.  Nobody waits for anybody.
+struct SharedFactorization {
+  TreeCut cut;
+  std::vector<int> children;              ///< of each front, if it is above
+  std::vector<std::atomic<int>> waiting;  ///< children that are not done yet
+  std::atomic<int> failed;                ///< the first column
+};
+
+/// The same for solves.  Subtrees go first in forward and last in backward substitution, and one thread does
+/// the fronts above.  What a subtree adds to rows outside it is kept aside, and added in the fronts'
+/// postorder as by one thread alone: so that sums are the same to the last bit.
+struct SharedPasses {
+  TreeCut cut;
+  /// Rows of a front from `first` on are outside its subtree.
+  struct Outside {
+    int front, first;
+    std::int64_t place;  ///< in `values`
+  };
+  std::vector<int> first_outside;  ///< row, of each front
+  std::vector<Outside> outside;    ///< of fronts with such rows, in postorder
+  std::vector<int> begin;          ///< in `outside`, of each subtree
+  AlignedVector<double> values;
+};
+
+/// Empty cuts: not shared.
+struct SharedFronts {
+  detail::ThreadPool* pool = nullptr;
+  std::vector<FrontScratch> scratch;  ///< of each worker
+  SharedFactorization factorization;
+  SharedPasses passes;
+};
+
+}  // namespace taut
