@@ -29,4 +29,32 @@ class FlushToZero {
 #endif
 };
 
+/// How this thread rounds and treats the smallest numbers, for AsElsewhere.
+inline unsigned rounding_mode() {
+#if defined(__SSE__)
+  return _mm_getcsr();
+#else
+  return 0;
+#endif
+}
+
+/// While it lives, this thread rounds as another one does, whose rounding_mode() is given.
+class AsElsewhere {
+ public:
+#if defined(__SSE__)
+  explicit AsElsewhere(unsigned mode) : before_(_mm_getcsr()) { _mm_setcsr(mode); }
+  ~AsElsewhere() { _mm_setcsr(before_); }
+#else
+  explicit AsElsewhere(unsigned) {}
+  ~AsElsewhere() {}
+#endif
+  AsElsewhere(const AsElsewhere&) = delete;
+  AsElsewhere& operator=(const AsElsewhere&) = delete;
+
+ private:
+#if defined(__SSE__)
+  unsigned before_;
+#endif
+};
+
 }  // namespace taut::detail

@@ -18,11 +18,13 @@ namespace taut::detail {
 
 struct ThreadPool::Impl {
   std::mutex mutex;
-  std::condition_variable wake, done;
+  std::unique_ptr<std::condition_variable[]> wake;  // of each thread
+  std::condition_variable done;
   const std::function<void(int, int)>* work = nullptr;
   const InterruptScope::Question* question = nullptr;  // of the caller
   std::atomic<int> next{0};
-  int tasks = 0, busy = 0;
+  unsigned mode = 0;  // of the caller
+  int tasks = 0, workers = 0, busy = 0;
   long round = 0;
   bool open = false;  // a thread may still join the round
   bool stop = false;
@@ -36,13 +38,13 @@ struct ThreadPool::Impl {
       const std::scoped_lock lock(mutex);
       stop = true;
     }
-    wake.notify_all();
+    for (std::size_t k = 0; k < threads.size(); ++k) wake[k].notify_one();
     threads.clear();
   }
 
-  /// In the same mode as the caller of a step, so that results have the same bits on all threads.
+  /// As the caller's thread would, so that results have the same bits on all threads.
   void take_tasks(int worker) {
-    const FlushToZero mode;
+    const AsElsewhere rounding(mode);
     const InterruptScope scope(question);
     for (int task = next++; task < tasks; task = next++) {
       try {
@@ -60,7 +62,7 @@ struct ThreadPool::Impl {
     long seen = 0;
     std::unique_lock lock(mutex);
     while (true) {
-      wake.wait(lock, [&] { return stop || (open && round != seen); });
+      wake[worker - 1].wait(lock, [&] { return stop || (open && round != seen && worker < workers); });
       if (stop) return;
       seen = round;
       ++busy;
@@ -85,6 +87,9 @@ int thread_count(int wanted) {
 std::jthread start_thread(std::function<void()> work) { return std::jthread(std::move(work)); }
 
 ThreadPool::ThreadPool(int threads, const ThreadStarter& start) : impl_(std::make_unique<Impl>()) {
+  const auto others = static_cast<std::size_t>(std::max(threads - 1, 0));
+  impl_->wake = std::make_unique<std::condition_variable[]>(others);
+  impl_->threads.reserve(others);  // what is thrown between would leave a thread that waits for ever
   for (int worker = 1; worker < threads; ++worker) {
     try {
       impl_->threads.push_back(start([impl = impl_.get(), worker] { impl->loop(worker); }));
@@ -100,8 +105,9 @@ ThreadPool::~ThreadPool() = default;
 int ThreadPool::size() const { return static_cast<int>(impl_->threads.size()) + 1; }
 int ThreadPool::missing() const { return impl_->missing; }
 
-void ThreadPool::run(int tasks, const std::function<void(int, int)>& work) {
-  if (tasks <= 1 || impl_->threads.empty()) {
+void ThreadPool::run(int tasks, const std::function<void(int, int)>& work, int workers) {
+  workers = std::min({workers, size(), tasks});
+  if (workers <= 1) {
     for (int task = 0; task < tasks; ++task) poll_interrupt(), work(task, 0);
     return;
   }
@@ -109,13 +115,15 @@ void ThreadPool::run(int tasks, const std::function<void(int, int)>& work) {
     const std::scoped_lock lock(impl_->mutex);
     impl_->work = &work;
     impl_->question = InterruptScope::current();
+    impl_->mode = rounding_mode();
     impl_->tasks = tasks;
+    impl_->workers = workers;
     impl_->next = 0;
     impl_->error = nullptr;
     impl_->open = true;
     ++impl_->round;
   }
-  impl_->wake.notify_all();
+  for (int k = 0; k < workers - 1; ++k) impl_->wake[k].notify_one();
   impl_->take_tasks(0);
   std::unique_lock lock(impl_->mutex);
   impl_->open = false;

@@ -33,8 +33,10 @@ class ThreadPool {
   int missing() const;
   /// Calls work(task, worker) once for each task in [0, tasks), in any order and on any worker, and returns
   /// when all are done.  What the tasks compute must not depend on either.  The first exception is thrown
-  /// again here.  Between tasks, each worker asks what the caller's thread would (core/base/interruption.h).
-  void run(int tasks, const std::function<void(int task, int worker)>& work);
+  /// again here.  Workers round as the caller's thread does, and between tasks they ask what it would
+  /// (core/base/interruption.h).
+  /// @param workers take part, at most: those with the numbers below
+  void run(int tasks, const std::function<void(int task, int worker)>& work, int workers = kMostThreads);
 
  private:
   struct Impl;

@@ -188,7 +188,7 @@ class Rows {  ///< The rows of a World, as the comment at the top of this file s
   /// φ(q) [m or rad] of equality rows, and the coordinate θ of axis rows: angles as the value next to the one
   /// in `at.axes`.
   void residual(const Configuration& at, std::span<double> phi) const;
-  /// φ and θ of the rows of one chunk; wherever one is given, all must be taken in their order.
+  /// φ and θ of the rows of one chunk, of which the poses of all its bodies and of those before are there.
   void residual(const Configuration& at, std::span<double> phi, const BodyChunk& chunk) const;
   /// φ and θ of the rows of one block.
   void residual(const JointRows& block, const Configuration& at, std::span<double> phi) const;

@@ -219,9 +219,11 @@ void Rattle::kick_and_drift(double h, std::span<const double> lambda, std::span<
     }
   };
   const std::vector<Rows::BodyChunk>& chunks = rows.chunks();
-  if (detail::LazyPool* threads = system_.loop_threads()) {
-    detail::for_ranges(*threads, world_.body_count(), drift);
-    detail::for_ranges(*threads, static_cast<int>(chunks.size()), [&](int first, int last) {
+  // Motions of users are asked by the caller's thread alone.
+  const detail::LoopThreads& threads = system_.loop_threads();
+  if (threads && !rows.depends_on_time()) {
+    detail::for_ranges(threads, world_.body_count(), drift);
+    detail::for_ranges(threads, static_cast<int>(chunks.size()), [&](int first, int last) {
       for (int k = first; k < last; ++k) rows.residual(end, phi, chunks[k]);
     });
     return;

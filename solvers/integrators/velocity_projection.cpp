@@ -168,11 +168,11 @@ void VelocityProjection::twists_and_rates(Change change) {
     detail::rates_of(rows, joint, system_.jacobian(), state.twists, values_.joint_rates);
   };
   const int bodies = static_cast<int>(state.poses.size());
-  if (detail::LazyPool* threads = system_.loop_threads()) {
-    detail::for_ranges(*threads, bodies, [&](int begin, int end) {
+  if (const detail::LoopThreads& threads = system_.loop_threads()) {
+    detail::for_ranges(threads, bodies, [&](int begin, int end) {
       for (int b = begin; b < end; ++b) twist(b);
     });
-    detail::for_ranges(*threads, bodies, [&](int begin, int end) {
+    detail::for_ranges(threads, bodies, [&](int begin, int end) {
       for (int b = begin; b < end; ++b)
         for (int j : rows.joints_due(b)) rates(rows.joints()[j]);
     });

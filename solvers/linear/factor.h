@@ -37,7 +37,7 @@ class Factor {
   /// one).
   virtual void analyze(const SymmetricMatrix& A) = 0;
   /// Numeric factorisation of a matrix with the analysed pattern.  Returns −1, or the first column whose
-  /// pivot was not positive; solve() must not be called then.
+  /// pivot was not positive; then solve() must not be called, and relative_pivots() says nothing.
   [[nodiscard]] virtual int factorize(const SymmetricMatrix& A) = 0;
   /// x ← A⁻¹ x, in elimination order.
   virtual void solve(std::span<double> x) = 0;

@@ -26,10 +26,12 @@ namespace taut {
 /// analyze() finds the fronts and fixes every place: where L, the contributions and A's entries go, and how a
 /// contribution's rows map to its parent's.  factorize() and solve() then run through lists of contiguous
 /// runs; they do not search, allocate, call BLAS or start threads, and give the same bits run to run on one
-/// machine.  They throw only where a long factorisation is interrupted (core/base/interruption.h).
+/// machine.  They throw only where a long factorisation is interrupted, or a shared one between two subtrees
+/// (core/base/interruption.h).
 ///
-/// Given a pool, large factorisations and solves are shared among its threads, with the same bits as by one.
-/// Then no two calls may be made at a time, not even of other factors with that pool.
+/// Given a pool, large factorisations and solves are shared among its threads, with the same bits as by one,
+/// but for what a factorisation that failed leaves, which nobody reads.  No two calls may be made at a time,
+/// not even of other factors with that pool.
 class MultifrontalFactor final : public Factor {
  public:
   MultifrontalFactor();
@@ -96,7 +98,10 @@ class MultifrontalFactor final : public Factor {
   void make_scratch(int most_rows);
   void plan_shared_contributions();
   int factorize_shared(const SymmetricMatrix& A);
-  void factorize_task(const SymmetricMatrix& A, int task, int worker);
+  void factorize_subtree(const SymmetricMatrix& A, int number, FrontScratch& scratch);
+  /// work(subtree, scratch) for each subtree of a cut, on so many threads.
+  template <typename Work>
+  void share(const TreeCut& cut, int threads, const Work& work);
   void solve_shared(std::span<double> x);
   void forward_subtree(int subtree, double* x, double* y);
   void forward_above(double* x, double* y);

@@ -42,17 +42,26 @@ double sum_of(std::span<const double> costs) {
   return sum;
 }
 
-TreeCut factorization_cut(Fronts fronts, std::span<const int> parent, int threads,
-                          const SharingTuning& sharing) {
-  const std::vector<double> costs = factor_costs(fronts);
-  const double total = sum_of(costs);
-  if (total < sharing.factor_from || longest_path(parent, costs) > sharing.longest_path * total) return {};
-  return cut_below(parent, costs, total / (sharing.subtrees_a_thread * threads));
+/// As many threads as have enough to do, of those that there are; `from`: what two need.
+int threads_for(double work, double from, int wanted) {
+  if (work < from) return 1;
+  return from > 0 ? static_cast<int>(std::min<double>(wanted, 2 * work / from)) : wanted;
 }
 
-TreeCut passes_cut(Fronts fronts, std::span<const int> parent, int threads, const SharingTuning& sharing) {
+void plan_factorization(SharedFactorization& shared, Fronts fronts, std::span<const int> parent, int wanted,
+                        const SharingTuning& sharing) {
+  const std::vector<double> costs = factor_costs(fronts);
+  const double total = sum_of(costs);
+  shared.threads = threads_for(total, sharing.factor_from, wanted);
+  if (shared.threads < 2 || longest_path(parent, costs) > sharing.longest_path * total) return;
+  shared.cut = cut_below(parent, costs, total / (sharing.subtrees_a_thread * shared.threads));
+}
+
+void plan_passes(SharedPasses& shared, Fronts fronts, std::span<const int> parent, int wanted,
+                 const SharingTuning& sharing) {
   const std::vector<double> costs = pass_costs(fronts);
-  return sum_of(costs) < sharing.solve_from ? TreeCut{} : cut_for_passes(parent, costs, threads);
+  shared.threads = threads_for(sum_of(costs), sharing.solve_from, wanted);
+  if (shared.threads > 1) shared.cut = cut_for_passes(parent, costs, shared.threads);
 }
 
 /// Room between what two threads work on: kernels read, and write back, up to three numbers behind a matrix.
@@ -66,14 +75,15 @@ void MultifrontalFactor::plan_sharing() {
   if (threads_ == nullptr || threads_->wanted() < 2) return;
   const std::vector<int> parent = parents_of(fronts_);
   auto shared = std::make_unique<SharedFronts>();
-  TreeCut& cut = shared->factorization.cut;
-  cut = factorization_cut(fronts_, parent, threads_->wanted(), sharing_);
-  shared->passes.cut = passes_cut(fronts_, parent, threads_->wanted(), sharing_);
-  if (cut.subtrees.empty() && shared->passes.cut.subtrees.empty()) return;
+  SharedFactorization& factorization = shared->factorization;
+  plan_factorization(factorization, fronts_, parent, threads_->wanted(), sharing_);
+  plan_passes(shared->passes, fronts_, parent, threads_->wanted(), sharing_);
+  if (factorization.cut.subtrees.empty() && shared->passes.cut.subtrees.empty()) return;
   shared->pool = &threads_->get();
   if (shared->pool->size() < 2) return;
-  shared->factorization.waiting = std::vector<std::atomic<int>>(fronts_.size());
-  shared->scratch.resize(static_cast<std::size_t>(shared->pool->size()));
+  factorization.waiting = std::vector<std::atomic<int>>(fronts_.size());
+  const int workers = std::min(std::max(factorization.threads, shared->passes.threads), shared->pool->size());
+  shared->scratch.resize(static_cast<std::size_t>(workers));
   shared_ = std::move(shared);
 }
 
@@ -152,21 +162,31 @@ void MultifrontalFactor::make_scratch(int most_rows) {
     for (FrontScratch& scratch : shared_->scratch) make(scratch, shares_factorization);
 }
 
+// Where there are very many subtrees, a task is every so many-th of them.
+template <typename Work>
+void MultifrontalFactor::share(const TreeCut& cut, int threads, const Work& work) {
+  const int subtrees = static_cast<int>(cut.subtrees.size());
+  const int tasks = std::min(subtrees, sharing_.tasks_a_thread * threads);
+  const auto task = [&](int first, int worker) {
+    for (int k = first; k < subtrees; k += tasks) work(cut.by_cost[k], shared_->scratch[worker]);
+  };
+  shared_->pool->run(tasks, std::ref(task), threads);
+}
+
 int MultifrontalFactor::factorize_shared(const SymmetricMatrix& A) {
   SharedFactorization& shared = shared_->factorization;
   const int none = std::numeric_limits<int>::max();
   shared.failed = none;
   for (int f : shared.cut.above) shared.waiting[f] = fronts_[f].child_end - fronts_[f].child_begin;
-  const auto work = [&](int task, int worker) { factorize_task(A, task, worker); };
-  shared_->pool->run(static_cast<int>(shared.cut.subtrees.size()), std::ref(work));
+  share(shared.cut, shared.threads,
+        [&](int subtree, FrontScratch& scratch) { factorize_subtree(A, subtree, scratch); });
   return shared.failed == none ? -1 : shared.failed.load();
 }
 
 // A subtree, and the fronts above whose last child this thread has finished.  As by one thread, fronts are
 // skipped whose columns come after one that has failed.
-void MultifrontalFactor::factorize_task(const SymmetricMatrix& A, int task, int worker) {
+void MultifrontalFactor::factorize_subtree(const SymmetricMatrix& A, int number, FrontScratch& scratch) {
   SharedFactorization& shared = shared_->factorization;
-  FrontScratch& scratch = shared_->scratch[worker];
   double *stack = scratch.contributions.data(), *common = contributions_.data(), *pack = scratch.pack.data();
   const auto factorize = [&](int f, const Places& places) {
     if (fronts_[f].first_column > shared.failed) return;
@@ -175,7 +195,7 @@ void MultifrontalFactor::factorize_task(const SymmetricMatrix& A, int task, int 
     for (int first = shared.failed; column < first && !shared.failed.compare_exchange_weak(first, column);) {
     }
   };
-  const TreeCut::Subtree subtree = shared.cut.subtrees[shared.cut.by_cost[task]];
+  const TreeCut::Subtree subtree = shared.cut.subtrees[number];
   for (int f = subtree.begin; f < subtree.root(); ++f) factorize(f, {stack, stack, pack});
   factorize(subtree.root(), {stack, common, pack});
   int f = fronts_[subtree.root()].parent;
@@ -186,20 +206,15 @@ void MultifrontalFactor::factorize_task(const SymmetricMatrix& A, int task, int 
 void MultifrontalFactor::solve_shared(std::span<double> values) {
   const detail::InterruptScope scope(nullptr);
   const SharedPasses& passes = shared_->passes;
-  const int subtrees = static_cast<int>(passes.cut.subtrees.size());
   double *x = values.data(), *own_y = scratch_.y.data();
-  const auto down = [&](int task, int worker) {
-    forward_subtree(passes.cut.by_cost[task], x, shared_->scratch[worker].y.data());
-  };
-  shared_->pool->run(subtrees, std::ref(down));
+  share(passes.cut, passes.threads,
+        [&](int subtree, FrontScratch& scratch) { forward_subtree(subtree, x, scratch.y.data()); });
   forward_above(x, own_y);
   for (auto f = passes.cut.above.rbegin(); f != passes.cut.above.rend(); ++f) backward(fronts_[*f], x, own_y);
-  const auto up = [&](int task, int worker) {
-    const TreeCut::Subtree subtree = passes.cut.subtrees[passes.cut.by_cost[task]];
-    for (int f = subtree.end; f-- > subtree.begin;)
-      backward(fronts_[f], x, shared_->scratch[worker].y.data());
-  };
-  shared_->pool->run(subtrees, std::ref(up));
+  share(passes.cut, passes.threads, [&](int subtree, FrontScratch& scratch) {
+    const TreeCut::Subtree& fronts = passes.cut.subtrees[subtree];
+    for (int f = fronts.end; f-- > fronts.begin;) backward(fronts_[f], x, scratch.y.data());
+  });
 }
 
 void MultifrontalFactor::forward_subtree(int subtree, double* x, double* y) {

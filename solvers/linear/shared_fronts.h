@@ -12,15 +12,18 @@ namespace taut {
 
 /// Which factorisations and solves are shared among threads.  No bit of a result depends on it.
 struct SharingTuning {
-  /// Modelled time of a factorisation (FrontCost) [ns] from which on waking threads pays. Measured.
+  /// Modelled time of a factorisation (FrontCost) [ns] from which on waking a second thread pays, and half of
+  /// it each further one.  Measured with two.
   double factor_from = 2e6;
-  /// Bytes of L, which a solve reads twice, from which on it does. Measured.
+  /// The same of bytes of L, which a solve reads twice.
   double solve_from = 8e6;
   /// Subtrees of a factorisation cost at most this part of a thread's share, so that shares even out: a study
   /// of nets found 8 to do.
   double subtrees_a_thread = 8;
   /// The longest path through the tree may be at most this part of the whole. Chosen.
   double longest_path = 0.8;
+  /// Tasks for each thread, at most: where subtrees are more, each takes several.
+  int tasks_a_thread = 32;
 };
 
 /// Where a front is worked on.
@@ -36,7 +39,7 @@ struct FrontScratch {
 /// finishes the last child of a front above goes on with it.  Nobody waits for anybody.
 struct SharedFactorization {
   TreeCut cut;
-  std::vector<int> children;              ///< of each front, if it is above
+  int threads = 1;
   std::vector<std::atomic<int>> waiting;  ///< children that are not done yet
   std::atomic<int> failed;                ///< the first column
 };
@@ -46,6 +49,7 @@ struct SharedFactorization {
 /// postorder as by one thread alone: so that sums are the same to the last bit.
 struct SharedPasses {
   TreeCut cut;
+  int threads = 1;
   /// Rows of a front from `first` on are outside its subtree.
   struct Outside {
     int front, first;
@@ -60,7 +64,7 @@ struct SharedPasses {
 /// Empty cuts: not shared.
 struct SharedFronts {
   detail::ThreadPool* pool = nullptr;
-  std::vector<FrontScratch> scratch;  ///< of each worker
+  std::vector<FrontScratch> scratch;  ///< of each worker that takes part in either
   SharedFactorization factorization;
   SharedPasses passes;
 };

@@ -28,8 +28,9 @@ bool Stepper::knows_pattern() const { return knows_topology() && sleep_version_ 
 void Stepper::renew() {
   auto system = std::make_unique<ConstraintSystem>(
       world_, settings_.factor, RankTuning::kStepping, Rows::AxisRows::kIncluded, springs_,
-      FactorMeans{settings_.solver == Solver::kDirect ? &orders_ : nullptr,
-                  &threads_});  // others factor nothing
+      FactorMeans{
+          .orders = settings_.solver == Solver::kDirect ? &orders_ : nullptr,  // others factor nothing
+          .threads = &threads_});
   scheme_.reset();
   system_ = std::move(system);
   scheme_ = make_scheme();

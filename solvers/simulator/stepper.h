@@ -96,7 +96,7 @@ class Stepper {
     return springs_ == Springs::kIncluded ? Springs::kLeftOut : Springs::kIncluded;
   }
 
-  /// Threads of factors that could not be started.
+  /// Threads of the system that could not be started.
   int missing_threads() const { return threads_.missing(); }
 
   /// What the integrator remembers from step to step, to or from bytes (checkpoint_memory.cpp).
@@ -109,7 +109,7 @@ class Stepper {
   const Settings& settings_;
   Springs springs_;           // among the rows
   OrderMemory orders_;        // of elimination
-  detail::LazyPool threads_;  // of factors
+  detail::LazyPool threads_;  // of the system
   std::unique_ptr<ConstraintSystem> system_;
   std::unique_ptr<Scheme> scheme_;
   std::int64_t topology_version_ = -1, geometry_version_ = -1, sleep_version_ = -1, state_version_ = -1,

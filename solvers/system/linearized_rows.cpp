@@ -42,17 +42,15 @@ LinearizedRows::LinearizedRows(const LinearizedRows& whole, const SystemPart& pa
   make_room();
 }
 
-detail::LazyPool* LinearizedRows::loop_threads() const {
-  const bool pays = rows_.body_count() >= detail::SharedLoopTuning::kFrom;
-  return pays && threads_ != nullptr && threads_->wanted() > 1 ? threads_ : nullptr;
-}
-
 void LinearizedRows::remake_rows(const World& world, std::span<const Rows::ContactSlot> slots) {
   rows_ = rows_of(world, axis_rows_, slots, springs_);
   make_room();
 }
 
 void LinearizedRows::make_room() {
+  int moving = 0;
+  for (int b = 0; b < mass_.size(); ++b) moving += mass_[b].fixed ? 0 : 1;
+  loop_threads_ = detail::loop_threads(threads_, moving);
   jacobian_.assign(rows_.jacobian_size(), 0.0);
   weighted_.assign(rows_.whole_size(), 0.0);
   effective_masses_.assign(rows_.row_count(), 0.0);

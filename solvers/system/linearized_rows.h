@@ -3,6 +3,7 @@
 #include <span>
 #include <vector>
 
+#include "core/base/loop_threads.h"
 #include "core/base/thread_pool.h"
 #include "core/constraints/rows.h"
 #include "core/world/world.h"
@@ -39,8 +40,8 @@ class LinearizedRows {
   /// Zeroes the entries of axis and contact rows.
   void clear_bounded_rows(std::span<double> values) const;
 
-  /// For loops over bodies or joints; null: these are too few, or there are no threads.
-  detail::LazyPool* loop_threads() const;
+  /// For loops over bodies or joints.
+  const detail::LoopThreads& loop_threads() const { return loop_threads_; }
 
   /// The contact of a slot from the next linearize() on.
   void set_contact(int slot, const row_parts::ContactPoint& point) { rows_.set_contact(slot, point); }
@@ -110,6 +111,7 @@ class LinearizedRows {
   Rows::AxisRows axis_rows_;
   Springs springs_;
   detail::LazyPool* threads_ = nullptr;
+  detail::LoopThreads loop_threads_;
   Rows rows_;
   MassMatrix mass_;
   std::vector<double> jacobian_, weighted_;

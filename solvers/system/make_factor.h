@@ -12,10 +12,10 @@ namespace detail {
 class LazyPool;
 }
 
-/// What factors may use.  Each may be null, or outlives them.
+/// What a system may use.  Each may be null, or outlives it.
 struct FactorMeans {
   OrderMemory* orders = nullptr;        ///< patterns that last get the cheapest order that is found
-  detail::LazyPool* threads = nullptr;  ///< large work is shared among them
+  detail::LazyPool* threads = nullptr;  ///< of large factors, and of loops over many bodies
 };
 
 /// The factor that is chosen, for a matrix of so many rows in this order.  FactorChoice::kCholmod takes the

@@ -20,7 +20,8 @@ namespace {
 using namespace block_matrices;
 
 /// All that can be cut is shared, however small.
-constexpr SharingTuning kAll{.factor_from = 0, .solve_from = 0, .subtrees_a_thread = 2, .longest_path = 1};
+constexpr SharingTuning kAll{
+    .factor_from = 0, .solve_from = 0, .subtrees_a_thread = 2, .longest_path = 1, .tasks_a_thread = 3};
 
 /// Edges between places of the postordered minimum degree order.
 Edges ordered(int blocks, const Edges& edges) {

@@ -9,6 +9,8 @@
 #include <numbers>
 #include <optional>
 #include <random>
+#include <set>
+#include <thread>
 
 #include "core/joints/joints.h"
 #include "core/state/same_state.h"
@@ -441,6 +443,26 @@ TEST(Threads, GiveTheSameBitsOnANet) {
     if (!first) first = scene.world.state();
     EXPECT_TRUE(same(scene.world.state(), *first)) << threads;
   }
+}
+
+/// What users write need not be safe for several threads, and may know which one asks.
+TEST(Threads, LeaveMotionsToTheCallersThread) {
+  World world;
+  std::set<std::thread::id> asking;
+  const Motion motion = [&](double t) {
+    asking.insert(std::this_thread::get_id());
+    return MotionPoint{0.1 * t, 0.1};
+  };
+  for (int i = 0; i < 9000; ++i) {
+    const BodyId body = world.add_body({.mass = MassProperties::box({0.2, 0.2, 0.1}, 1)});
+    const JointId slider = world.add("", Slider::at(world, kGround, body, Vec3::Zero(), Vec3::UnitX()));
+    if (i % 10 == 0) world.add("", Driver(world, {slider, 0}, motion));
+  }
+  Settings settings;
+  settings.threads = 4;
+  Simulator simulator(world, settings);
+  for (int i = 0; i < 3; ++i) ASSERT_TRUE(simulator.step(1e-3).exact());
+  EXPECT_EQ(asking, std::set{std::this_thread::get_id()});
 }
 
 }  // namespace
