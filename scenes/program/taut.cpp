@@ -109,7 +109,8 @@ void add_run(CLI::App& app, Arguments& arguments) {
              "how impulses are found: with the factor, or one after the other, to compare with");
   run.add_option("--iterations", options.iterations, "sweeps of an iterative solver per stage, default 50")
       ->type_name("NUMBER");
-  run.add_option("--threads", options.threads, "for contacts and large systems, default: as many as the machine has")
+  run.add_option("--threads", options.threads,
+                 "for contacts and large systems, default: as many as the machine has")
       ->type_name("NUMBER");
   run.add_flag("--sleep", options.sleep, "let islands of bodies at rest sleep until something wakes them");
   run.add_flag("--merge-fixed-joints", options.merge_fixed_joints,
