@@ -1,7 +1,6 @@
 #include "solvers/integrators/reduced/tree_dynamics.h"
 
 #include <Eigen/Cholesky>
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 
@@ -9,14 +8,12 @@
 #include "core/math/dense.h"
 #include "solvers/common/joint_tree.h"
 #include "solvers/integrators/body_moves.h"
+#include "solvers/integrators/reduced/orthogonal_triangles.h"
 
 namespace taut {
 namespace {
 
-/// Without a unit: a part and a count.
 struct TreeTuning {
-  /// Rows of a joint whose share beyond the others is below this part of the largest depend on them.
-  static constexpr double kDependent = 1e-9;
   /// Newton steps of a joint at most; near the tolerance each squares the gap.
   static constexpr int kMaxClosings = 20;
 };
@@ -40,7 +37,7 @@ Pose carried_along(const Pose& pose, const Pose& parent_before, const Pose& pare
 
 struct TreeDynamics::Motion {
   Matrix6 X;
-  Columns N;
+  SixColumns N;
   Eigen::Matrix<double, 6, Eigen::Dynamic> inverse;  // J_b⁺
 };
 
@@ -95,23 +92,10 @@ void TreeDynamics::decompose(const Branch& branch, Motion& motion, bool with_nul
   const auto side_row = [&](int side, int i) { return Rows::block_row(rows_.sides()[side], jacobian_, i); };
   bool full = m <= 6;
   if (full) {
-    Columns J(6, m);  // J_bᵀ
+    SixColumns J(6, m);  // J_bᵀ
     for (Eigen::Index i = 0; i < m; ++i) J.col(i) = side_row(rows[i].side, rows[i].in_block);
     if (!J.allFinite()) J.setZero();  // its rates are not, either
-    Eigen::ColPivHouseholderQR<Columns> qr;
-    qr.setThreshold(TreeTuning::kDependent);
-    qr.compute(J);
-    full = qr.rank() == m;
-    if (full) {
-      // J_bᵀ P = Q R, so that J_b⁺ = Q R⁻ᵀ Pᵀ.
-      OwnMatrix right = OwnMatrix::Identity(m, m);
-      right.applyOnTheLeft(qr.colsPermutation().transpose());
-      qr.matrixQR().topLeftCorner(m, m).triangularView<Eigen::Upper>().transpose().solveInPlace(right);
-      Matrix6 Q = Matrix6::Identity();
-      Q.applyOnTheLeft(qr.householderQ());
-      motion.inverse.noalias() = Q.leftCols(m).lazyProduct(right);
-      if (with_null_space) motion.N = Q.rightCols(6 - m);
-    }
+    full = invert_rows(J, motion.inverse, with_null_space ? &motion.N : nullptr);
   }
   if (!full) {
     dense::Matrix J(m, 6);
@@ -189,7 +173,7 @@ void TreeDynamics::recursive(std::span<Twist> accelerations, std::span<double> l
     const Branch& branch = branches_[k];
     const Motion& motion = motions_[k];
     auto& [I, root, bias, c] = articulated_[k];
-    const Columns& N = motion.N;
+    const SixColumns& N = motion.N;
     root = N.transpose();
     const OwnMatrix own = N.transpose() * (I * N);
     if (N.cols() > 0) own.llt().matrixL().solveInPlace(root);

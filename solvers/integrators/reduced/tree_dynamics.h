@@ -59,7 +59,6 @@ class TreeDynamics {
  private:
   using Vector6 = Eigen::Matrix<double, 6, 1>;
   using Matrix6 = Eigen::Matrix<double, 6, 6>;
-  using Columns = Eigen::Matrix<double, 6, Eigen::Dynamic, 0, 6, 6>;
   using Rows6 = Eigen::Matrix<double, Eigen::Dynamic, 6, 0, 6, 6>;
   using OwnMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 6, 6>;
 
