@@ -13,7 +13,7 @@ namespace taut::detail {
 struct SharedLoopTuning {
   /// Bodies that move from which on a thread more pays: their loops take 50 to 200 ns each.  Measured with
   /// two threads.
-  static constexpr int kBodiesOfAThread = 2000;
+  static constexpr int kBodiesOfAThread = 3000;
   /// Ranges for each thread, so that a late one finds less to do.
   static constexpr int kRanges = 4;
 };

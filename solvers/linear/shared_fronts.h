@@ -14,9 +14,9 @@ namespace taut {
 struct SharingTuning {
   /// Modelled time of a factorisation (FrontCost) [ns] from which on waking a second thread pays, and half of
   /// it each further one.  Measured with two.
-  double factor_from = 2e6;
+  double factor_from = 6e6;
   /// The same of bytes of L, which a solve reads twice.
-  double solve_from = 8e6;
+  double solve_from = 16e6;
   /// Subtrees of a factorisation cost at most this part of a thread's share, so that shares even out: a study
   /// of nets found 8 to do.
   double subtrees_a_thread = 8;

@@ -434,7 +434,7 @@ TEST(Factors, AgreeOnABridge) {
 TEST(Threads, GiveTheSameBitsOnANet) {
   std::optional<State> first;
   for (const int threads : {1, 2, 4}) {
-    Scene scene = build_scene("net-corners", {{"n", 52}});
+    Scene scene = build_scene("net-corners", {{"n", 72}});
     Settings settings;
     settings.threads = threads;
     Simulator simulator(scene.world, settings);
