@@ -6,30 +6,7 @@
 
 namespace taut::detail {
 
-/// While it lives, results and operands of this thread below the smallest normal number, 2e-308, count as 0;
-/// the caller's mode comes back at its end.  What moves one end of a chain fades along it by a factor a body,
-/// and with denormal numbers, which processors take some hundred cycles for, a step of 1000 rods takes 1.4
-/// times as long.  Without SSE it does nothing.
-class FlushToZero {
- public:
-#if defined(__SSE__)
-  FlushToZero() : before_(_mm_getcsr()) { _mm_setcsr(before_ | kFlushToZero | kDenormalsAreZero); }
-  ~FlushToZero() { _mm_setcsr(before_); }
-#else
-  FlushToZero() {}
-  ~FlushToZero() {}
-#endif
-  FlushToZero(const FlushToZero&) = delete;
-  FlushToZero& operator=(const FlushToZero&) = delete;
-
- private:
-#if defined(__SSE__)
-  static constexpr unsigned kFlushToZero = 0x8000, kDenormalsAreZero = 0x0040;
-  unsigned before_;
-#endif
-};
-
-/// How this thread rounds and treats the smallest numbers, for AsElsewhere.
+/// How this thread rounds and treats the smallest numbers.  Without SSE always 0.
 inline unsigned rounding_mode() {
 #if defined(__SSE__)
   return _mm_getcsr();
@@ -38,23 +15,35 @@ inline unsigned rounding_mode() {
 #endif
 }
 
-/// While it lives, this thread rounds as another one does, whose rounding_mode() is given.
-class AsElsewhere {
+/// While it lives, this thread works in a rounding_mode(), for instance another thread's; the mode of before
+/// comes back at its end.  Without SSE it does nothing.
+class RoundingScope {
  public:
 #if defined(__SSE__)
-  explicit AsElsewhere(unsigned mode) : before_(_mm_getcsr()) { _mm_setcsr(mode); }
-  ~AsElsewhere() { _mm_setcsr(before_); }
+  explicit RoundingScope(unsigned mode) : before_(rounding_mode()) { _mm_setcsr(mode); }
+  ~RoundingScope() { _mm_setcsr(before_); }
 #else
-  explicit AsElsewhere(unsigned) {}
-  ~AsElsewhere() {}
+  explicit RoundingScope(unsigned) {}
+  ~RoundingScope() {}
 #endif
-  AsElsewhere(const AsElsewhere&) = delete;
-  AsElsewhere& operator=(const AsElsewhere&) = delete;
+  RoundingScope(const RoundingScope&) = delete;
+  RoundingScope& operator=(const RoundingScope&) = delete;
 
  private:
 #if defined(__SSE__)
   unsigned before_;
 #endif
+};
+
+/// While it lives, results and operands of this thread below the smallest normal number, 2e-308, count as 0.
+/// What moves one end of a chain fades along it by a factor a body, and with denormal numbers, which
+/// processors take some hundred cycles for, a step of 1000 rods takes 1.4 times as long.
+class FlushToZero : RoundingScope {
+ public:
+  FlushToZero() : RoundingScope(rounding_mode() | kFlushToZero | kDenormalsAreZero) {}
+
+ private:
+  static constexpr unsigned kFlushToZero = 0x8000, kDenormalsAreZero = 0x0040;
 };
 
 }  // namespace taut::detail

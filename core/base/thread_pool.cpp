@@ -44,7 +44,7 @@ struct ThreadPool::Impl {
 
   /// As the caller's thread would, so that results have the same bits on all threads.
   void take_tasks(int worker) {
-    const AsElsewhere rounding(mode);
+    const RoundingScope rounding(mode);
     const InterruptScope scope(question);
     for (int task = next++; task < tasks; task = next++) {
       try {
