@@ -123,19 +123,19 @@ Watch watch_probe(const SceneReader& reader, const JsonNode& name, JsonObject& w
   return {};
 }
 
-/// Whether the object watches an angle, so that its threshold can be in degrees.
-bool watches_angle(const SceneReader& reader, JsonObject& when) {
-  if (const auto probe = when.find("probe"); probe && probe->json().is_string()) {
-    const std::vector<Probe>& probes = reader.probes();
-    const auto found = std::find_if(probes.begin(), probes.end(), [&](const Probe& its) {
-      return its.name == probe->json().get_ref<const std::string&>();
-    });
-    return found != probes.end() && found->quantity == Probe::Quantity::kAxis &&
-           reader.world().axis_info(found->axis).angular;
+/// Whether a probe of the file records an angle or an angular rate.
+bool probes_angle(const SceneReader& reader, const std::string& name) {
+  for (const Probe& probe : reader.probes()) {
+    if (probe.name != name) continue;
+    if (probe.quantity == Probe::Quantity::kAxis) return reader.world().axis_info(probe.axis).angular;
+    return probe.quantity == Probe::Quantity::kAngularVelocity;
   }
-  const auto axis = when.find("axis");
-  if (!axis || !axis->json().is_object()) return false;
-  const auto& keys = axis->json();
+  return false;
+}
+
+/// Whether {"joint", "axis"} is an axis that turns.
+bool turns(const SceneReader& reader, const nlohmann::json& keys) {
+  if (!keys.is_object()) return false;
   const auto joint = keys.find("joint"), name = keys.find("axis");
   if (joint == keys.end() || name == keys.end() || !joint->is_string() || !name->is_string()) return false;
   const World& world = reader.world();
@@ -144,6 +144,16 @@ bool watches_angle(const SceneReader& reader, JsonObject& when) {
   for (int k = 0; k < world.axis_count(id); ++k)
     if (world.axis_info({id, k}).name == name->get<std::string>()) return world.axis_info({id, k}).angular;
   return false;
+}
+
+/// Whether the object watches an angle or an angular rate, so that its threshold can be in degrees.
+bool watches_angle(const SceneReader& reader, JsonObject& when) {
+  if (const auto probe = when.find("probe"); probe && probe->json().is_string())
+    return probes_angle(reader, probe->json().get_ref<const std::string&>());
+  if (const auto quantity = when.find("quantity"); quantity && quantity->json() == "angular-velocity")
+    return true;
+  const auto axis = when.find("axis");
+  return axis && turns(reader, axis->json());
 }
 
 WhenPasses read_passage(const SceneReader& reader, const JsonNode& node) {

@@ -233,6 +233,20 @@ inline std::string every_angle(bool in_degrees) {
      "motion": {"speeds@": [[0, #0#], [1, #90#]], "value@": #45#}},
     {"type": "pose_driver", "a": "ground", "b": "r", "turns": [
      {"axis": [0, 0, 1], "angle": {"spline@": [[0, #0#], [1, #90#]]}}, {"axis": [1, 0, 0], "angle@": #30#}]}],
+  "probes": [{"name": "w", "quantity": "angular-velocity", "body": "p"},
+    {"name": "angle", "quantity": "axis", "axis": {"joint": "hinge", "axis": "angle"}}],
+  "events": [
+    {"name": "e0", "when": {"quantity": "angular-velocity", "body": "p", "rises_above@": #100#}, "do": [{"end": true}]},
+    {"name": "e1", "when": {"quantity": "angular-velocity", "body": "q", "along": [0, 0, 1], "falls_below@": #-50#},
+     "do": [{"end": true}]},
+    {"name": "e2", "when": {"probe": "w", "along": [0, 0, 1], "passes@": #80#}, "do": [{"end": true}]},
+    {"name": "e3", "when": {"quantity": "axis", "axis": {"joint": "hinge", "axis": "angle"}, "rises_above@": #45#},
+     "do": [{"motor": {"joint": "hinge", "axis": "angle"}, "target@": #60#}]},
+    {"name": "e4", "when": {"quantity": "axis-rate", "axis": {"joint": "hinge", "axis": "angle"}, "passes@": #200#},
+     "do": [{"end": true}]},
+    {"name": "e5", "when": {"probe": "angle", "falls_below@": #-30#}, "do": [{"end": true}]},
+    {"name": "e6", "when": {"quantity": "axis-rate", "axis": {"joint": "third", "axis": "displacement"}, "passes": 3},
+     "do": [{"end": true}]}],
   "assemble": true})";
   std::string result;
   for (std::size_t at = 0; at < text.size(); ++at) {

@@ -57,6 +57,15 @@ TEST(SceneFile, AnglesInDegreesAreThoseInRadians) {
     }
   }
   EXPECT_EQ(one.axis_properties(one.axis(one.joint("third"), "displacement")).limits->lower, -90);  // metres
+  // Thresholds of events.
+  ASSERT_EQ(degrees.events.size(), 7U);
+  ASSERT_EQ(radians.events.size(), 7U);
+  for (std::size_t e = 0; e < 7; ++e)
+    EXPECT_NEAR(std::get<WhenPasses>(degrees.events[e].when).threshold,
+                std::get<WhenPasses>(radians.events[e].when).threshold, 1e-14)
+        << e;
+  EXPECT_NEAR(std::get<WhenPasses>(degrees.events[0].when).threshold, 100 * std::numbers::pi / 180, 1e-14);
+  EXPECT_NEAR(*std::get<SetMotor>(degrees.events[3].actions[0]).target, std::numbers::pi / 3, 1e-14);
   // Drivers of all kinds of motion.
   const Rows rows(one), other_rows(other);
   for (double time : {0.1, 0.4, 0.9}) {
