@@ -209,7 +209,6 @@ std::string run_details(const RunRecord& r) {
        "median " + duration(r.median_step_time()) + ", p95 " + duration(r.step_time_quantile(0.95))},
       {"phases", share_of_phases(r.phases)},
       {"max joint velocity error", format("%.2e", r.max_velocity_residual)},
-      {"energy drift", format("%.2e of %.6g J", r.relative_energy_drift(), r.energy_scale)},
       {"factorisations",
        per_step(r.factorizations, r.steps) + format(", %lld analyses", static_cast<long long>(r.analyses))},
       {"back-solves", per_step(r.backsolves, r.steps) + ", Newton " + per_step(r.newton_iterations, r.steps)},

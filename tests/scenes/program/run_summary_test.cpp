@@ -42,6 +42,8 @@ TEST(RunSummary, HasEightLines) {
   EXPECT_EQ(value_of("bodies", all.out), "3") << all.out;
   EXPECT_NE(value_of("phases", all.out), "") << all.out;
   EXPECT_GT(labels(all.out).size(), 20u);
+  // The work of motors and friction is no error of a run: "energy" tells what works do not account for.
+  EXPECT_EQ(all.out.find("energy drift"), std::string::npos) << all.out;
   EXPECT_EQ(run_program({"run", "chain", "--quiet", "--verbose"}).exit_status, 2);
 }
 
