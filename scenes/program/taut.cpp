@@ -20,6 +20,7 @@
 #include "scenes/program/new_command.h"
 #include "scenes/program/replay_command.h"
 #include "scenes/program/run_command.h"
+#include "scenes/program/version_text.h"
 #include "scenes/support/output_file.h"
 #include "scenes/support/printable_stream.h"
 #include "scenes/support/suggestion.h"
@@ -327,7 +328,8 @@ void suggest_options(const CLI::App& app) {
 
 int run_program(int argc, char** argv) {
   CLI::App app("taut: rigid multibody systems with very many joints, solved directly", "taut");
-  app.set_version_flag("--version", "taut " TAUT_VERSION);
+  app.set_version_flag("--version", taut::version_text,
+                       "what this program is, and what was built into it, and exit");
   app.require_subcommand(1);
   Arguments arguments;
   add_run(app, arguments);

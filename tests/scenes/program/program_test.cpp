@@ -5,6 +5,9 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "scenes/files/friction_file.h"
+#include "scenes/program/live_server.h"
+#include "solvers/linear/cholmod_factor.h"
 #include "tests/run_program.h"
 #include "tests/sanitized.h"
 #include "tests/scenes/program/resource_limit.h"
@@ -390,6 +393,17 @@ TEST(Program, WhatCannotBePrintedIsAFailure) {
   }
   EXPECT_EQ(run_program_into("/dev/full", {"run", "pendulum-ball", "--steps", "2", "--quiet"}).exit_status,
             0);
+}
+
+TEST(Program, VersionSaysWhatIsBuiltIn) {
+  const Outcome version = run_program({"--version"});
+  EXPECT_EQ(version.exit_status, 0) << version.err;
+  EXPECT_EQ(version.out.substr(0, version.out.find('\n')), "taut " TAUT_VERSION);
+  for (const char* part : {"models ", "contacts ", "solver ", "live view ", "HDF5 ", "pages ", "pictures "})
+    EXPECT_NE(version.out.find(std::string("\n") + part), std::string::npos) << part << version.out;
+  EXPECT_EQ(version.out.find("live view  not built in") == std::string::npos, serves_live()) << version.out;
+  EXPECT_EQ(version.out.find("HDF5       not built in") == std::string::npos, reads_hdf5()) << version.out;
+  EXPECT_NE(version.out.find(blas_name()), std::string::npos) << version.out;
 }
 
 /// Every mistake on the command line ends with status 2 and names the option and the value.
