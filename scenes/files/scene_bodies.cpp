@@ -230,7 +230,10 @@ void SceneReader::enter_body(const JsonNode& node, BodySpec spec, const FileMass
       unshaped_bodies_.insert(id.index);
       return;
     }
-    if (mass.drawn && shapes.empty()) draw(scene_, id, *mass.drawn);
+    if (mass.drawn && shapes.empty()) {
+      draw(scene_, id, *mass.drawn);
+      if (!spec.fixed && !node.json().contains("shapes")) untouchable_.push_back(node);
+    }
     add_shapes(id, shapes, mass.centre);
   });
 }

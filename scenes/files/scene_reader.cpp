@@ -114,6 +114,7 @@ Scene SceneReader::read(const nlohmann::json& document, const std::string& defau
   top.reject_unknown_keys();
   if (!scene_.assemble && knows_start_) check_gaps();
   note_far_anchors();
+  note_untouchable();
   return std::move(scene_);
 }
 

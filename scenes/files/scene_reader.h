@@ -136,6 +136,7 @@ class SceneReader {
   void check_gaps();
   void note_many_turns(JsonObject& axis) const;
   void note_far_anchors() const;
+  void note_untouchable() const;
   /// "axes" of a joint: axis properties (core/axes) by axis; applied to the joint if it is there.
   void read_axes(const JsonNode& node, JointId joint);
   /// "compliance", "break" and "attached"; applied to the joint if it is there.
@@ -178,6 +179,7 @@ class SceneReader {
     Vec3 p_AP, p_BQ;
   };
   std::vector<FileAnchor> anchors_;
+  std::vector<JsonNode> untouchable_;  // bodies that move, and have a shape for their mass alone
 };
 
 /// Joints over points of several bodies.

@@ -95,7 +95,8 @@ TEST(SceneHints, QuaternionsBesideOthersWithWInFront) {
 
 std::string two_rods(const std::string& joint) {
   return R"("assemble": true, "bodies": [
-    {"name": "upper", "density": 100, "shape": {"type": "rod", "length": 1, "radius": 0.05}, "position": [5.5, 0, 0]},
+    {"name": "upper", "density": 100, "shape": {"type": "rod", "length": 1, "radius": 0.05}, "shapes": [],
+     "position": [5.5, 0, 0]},
     {"name": "lower", "density": 100, "shapes": [{"type": "capsule", "length": 1, "radius": 0.05}],
      "position": [6, 0, -0.5]}, {"name": "weightless", "mass": 1, "inertia": [1, 1, 1]}],
     "joints": [{"name": "elbow", "type": "ball", )" +
@@ -117,9 +118,61 @@ TEST(SceneHints, AnchorsFarOutsideBothBodies) {
       two_rods(
           R"("a": "upper", "b": "lower", "frame": "body", "anchor_a": [6, 0, 0], "anchor_b": [6, 0, 0])"),
       "has its anchor");
-  // A pendulum hangs anywhere, and what has no shape reaches as far as it likes.
-  expect_only(two_rods(R"("a": "ground", "b": "lower", "anchor": [0.5, 0, 0])"), "");
-  expect_only(two_rods(R"("a": "weightless", "b": "lower", "anchor": [0.5, 0, 0])"), "");
+  // The ground, and what has no shape, reach as far as they like; what they hold does not.
+  expect_only(two_rods(R"("a": "ground", "b": "lower", "anchor": [0.5, 0, 0])"),
+              "has its anchor 4.97 m outside \"lower\"; points are");
+  expect_only(two_rods(R"("a": "weightless", "b": "lower", "anchor": [0.5, 0, 0])"),
+              "has its anchor 4.97 m outside \"lower\"; points are");
+  expect_only(two_rods(R"("a": "ground", "b": "weightless", "anchor": [0.5, 0, 0])"), "");
+}
+
+std::string hinged_cubes(const std::string& members, const std::string& joint) {
+  return R"("assemble": true, )" + members + R"("bodies": [
+    {"name": "left", "mass": 1, "shapes": [{"type": "box", "size": [1, 1, 1]}]},
+    {"name": "right", "mass": 1, "shapes": [{"type": "box", "size": [1, 1, 1]}], "position": [1, 0, 0]},
+    {"name": "bob", "mass": 1, "shapes": [{"type": "sphere", "radius": 0.1}], "position": [3, 0, 0]}],
+    "joints": [{"name": "pin", "type": "hinge", "axis": [0, 1, 0], )" +
+         joint + "}]";
+}
+
+TEST(SceneHints, AnchorsFarOutsideTheOneBodyWithShapes) {
+  const std::string grounds[] = {"", R"("ground": {"shapes": [{"type": "half_space"}]}, )"};
+  for (const std::string& ground : grounds) {
+    expect_only(hinged_cubes(ground, R"("a": "ground", "b": "left", "anchor": [9, 0, 0])"),
+                "/joints/0 of \"pin\": has its anchor 8.13 m outside \"left\"; points are");
+    expect_only(hinged_cubes(ground, R"("a": "ground", "b": "left", "anchor": [0.5, 0, 0.5])"), "");
+    expect_only(hinged_cubes(ground, R"("a": "ground", "b": "left", "anchor": [0, 0, 1.5])"), "");
+    // The rod of a pendulum's bob has no mass and is not drawn.
+    expect_only(hinged_cubes(ground, R"("a": "ground", "b": "bob", "anchor": [3, 0, 5])"), "");
+  }
+  // Two metres above the faces of both.
+  expect_only(hinged_cubes("", R"("a": "left", "b": "right", "anchor": [0.5, 0, 2.5])"),
+              "has its anchor 1.68 m outside \"left\" and 1.68 m outside \"right\"");
+  expect_only(hinged_cubes("", R"("a": "left", "b": "right", "anchor": [0.5, 0, 1])"), "");
+  expect_only(hinged_cubes("", R"("a": "left", "b": "bob", "anchor": [0, 0, 4])"),
+              "has its anchor 3.13 m outside \"left\" and 4.9 m outside \"bob\"");
+}
+
+std::string beside_a_ball(const std::string& body, const std::string& members = "") {
+  return members + R"("bodies": [{"name": "arm", "mass": 1, )" + body + R"(},
+    {"name": "ball", "mass": 1, "shapes": [{"type": "sphere", "radius": 0.1}], "position": [3, 0, 0]}])";
+}
+
+TEST(SceneHints, AShapeForTheMassAloneWhereOthersCollide) {
+  const std::string shape = R"("shape": {"type": "box", "size": [1, 1, 1]})";
+  expect_only(beside_a_ball(shape),
+              "/bodies/0 of \"arm\": has a shape for its mass alone and touches nothing: \"shapes\" collide, "
+              "and \"shapes\": [] says that it is meant");
+  expect_only(beside_a_ball(shape + R"(}, {"mass": 1, "position": [0, 0, 5], )" + shape),
+              "; 1 more body does so");
+  expect_only(beside_a_ball(shape + R"(, "shapes": [])"), "");
+  expect_only(beside_a_ball(shape + R"(, "fixed": true)"), "");
+  expect_only(beside_a_ball(shape, R"("settings": {"contacts": false}, )"), "");
+  expect_only(beside_a_ball(R"("inertia": [1, 1, 1])"), "");
+  expect_only(beside_a_ball(R"("shapes": [{"type": "box", "size": [1, 1, 1]}])"), "");
+  expect_only(R"("bodies": [{"mass": 1, )" + shape + "}]", "");  // nothing collides
+  expect_only(R"("ground": {"shapes": [{"type": "half_space"}]}, "bodies": [{"mass": 1, )" + shape + "}]",
+              "touches nothing");
 }
 
 TEST(SceneHints, NoneInTheExamples) {
