@@ -128,17 +128,22 @@ std::string page_beside(const std::string& file) {
   return std::filesystem::path(file).stem().string() + ".html";
 }
 
-/// The words of a command without what is written and printed.
-std::vector<std::string> without_outputs(const std::vector<std::string>& words) {
-  constexpr std::string_view kWithValue[] = {"--report", "--csv",  "--poses",      "--poses-interval",
-                                             "--save",   "--gltf", "--plot",       "--vtk",
-                                             "--record", "--html", "--dump-stages"};
-  constexpr std::string_view kFlags[] = {"--quiet", "--verbose"};
+/// The words of a command without what is written and printed, and without the live view.
+std::vector<std::string> without_outputs(const RunOptions& options) {
+  constexpr std::string_view kWithValue[] = {"--report", "--csv",  "--poses",       "--poses-interval",
+                                             "--save",   "--gltf", "--plot",        "--vtk",
+                                             "--record", "--html", "--dump-stages", "--live-address"};
+  constexpr std::string_view kFlags[] = {"--quiet", "--verbose", "--live"};
+  const std::vector<std::string>& words = options.words;
   std::vector<std::string> kept;
   for (std::size_t i = 0; i < words.size(); ++i) {
     const std::string_view word = words[i];
     const std::string_view option = word.substr(0, word.find('='));
-    if (std::find(std::begin(kFlags), std::end(kFlags), word) != std::end(kFlags)) continue;
+    if (std::find(std::begin(kFlags), std::end(kFlags), option) != std::end(kFlags)) {
+      // The port may be left out.
+      if (word == "--live" && i + 1 < words.size() && words[i + 1] == options.live.port) ++i;
+      continue;
+    }
     if (std::find(std::begin(kWithValue), std::end(kWithValue), option) == std::end(kWithValue))
       kept.push_back(words[i]);
     else if (option.size() == word.size())
@@ -179,7 +184,7 @@ std::string how_to_see(const RunOptions& options) {
     return "taut replay " + shell_word(options.record_file) + " --html " +
            shell_word(page_beside(options.record_file));
   std::string command = "taut run";
-  for (const std::string& word : without_outputs(options.words)) command += " " + shell_word(word);
+  for (const std::string& word : without_outputs(options)) command += " " + shell_word(word);
   return command + " --html " + shell_word(page_beside(options.scene));
 }
 

@@ -70,6 +70,12 @@ TEST(SceneSchema, AcceptsEveryKeyThatTheReaderKnows) {
     EXPECT_EQ(objections(parse(scene_file_cases::every_angle(in_degrees))), "");
 }
 
+/// By which other schemas may refer to it, wherever it lies.
+TEST(SceneSchema, HasANameOfTheFormatsVersion) {
+  EXPECT_EQ(parse_file(kScenes / "taut-scene.schema.json")["$id"], "urn:taut:scene:1");
+  EXPECT_EQ(parse(scene_file_cases::kEverything)["format"], "taut-scene/1");
+}
+
 TEST(SceneSchema, AcceptsTheShippedScenes) {
   int count = 0;
   for (const auto& entry : std::filesystem::directory_iterator(kScenes)) {

@@ -132,6 +132,17 @@ TEST(RunSummary, ShowsTheWayToAPicture) {
   options.scene = "bridge";
   options.words = {"bridge", "--set", "n=5", "--report", "r.json", "--csv=a.csv", "--time", "1", "--verbose"};
   EXPECT_EQ(how_to_see(options), "taut run bridge --set n=5 --time 1 --html bridge.html");
+  // The live view is another way to see it.
+  options.live.port = "0";
+  for (const std::vector<std::string>& words :
+       {std::vector<std::string>{"--live", "bridge", "--set", "n=5"},
+        {"bridge", "--live", "--set", "n=5"},
+        {"bridge", "--live", "0", "--set", "n=5"},
+        {"bridge", "--set", "n=5", "--live=0", "--live-address=::1"},
+        {"--live-address", "127.0.0.1", "bridge", "--set", "n=5", "--live"}}) {
+    options.words = words;
+    EXPECT_EQ(how_to_see(options), "taut run bridge --set n=5 --html bridge.html");
+  }
   options.scene = "some where/it's.json";
   options.words = {options.scene};
   EXPECT_EQ(how_to_see(options), "taut run 'some where/it'\\''s.json' --html 'it'\\''s.html'");
