@@ -60,8 +60,8 @@ double MjcfActuators::inertia_behind(const TreeAxis& axis, BodyId body) const {
   return sum;
 }
 
-void MjcfActuators::write(pugi::xml_node mujoco) const {
-  if (servos_.empty()) return;
+std::string MjcfActuators::write(pugi::xml_node mujoco) const {
+  if (servos_.empty()) return "";
   mujoco.child("option").append_attribute("integrator") = "implicitfast";
   pugi::xml_node section = mujoco.append_child("actuator");
   std::string controls;
@@ -80,9 +80,7 @@ void MjcfActuators::write(pugi::xml_node mujoco) const {
     }
     controls += (controls.empty() ? "" : " ") + words(servo.target);
   }
-  pugi::xml_node key = mujoco.append_child("keyframe").append_child("key");
-  key.append_attribute("name") = "start";
-  key.append_attribute("ctrl") = controls.c_str();
+  return controls;
 }
 
 }  // namespace taut

@@ -9,7 +9,7 @@
 
 namespace taut {
 
-/// Motors of axes as <actuator>, with a <key> whose controls are their targets.  MuJoCo's are servos,
+/// Motors of axes as <actuator>, whose controls are their targets.  MuJoCo's are servos,
 ///   F = kp (u − q) − kv q̇  or  kv (u − q̇),  |F| ≤ forcerange,
 /// which is what a servo of taut is; a motor that keeps its target exactly becomes one that is as stiff as
 /// the step allows.
@@ -20,7 +20,8 @@ class MjcfActuators {
   /// The motor of an axis by which a body hangs on its parent, if it has one; `joint` is its name there.
   void add(const TreeAxis& axis, BodyId body, const std::string& joint);
   /// Those that were added, at the end of <mujoco>, and an integrator that takes their dampers implicitly.
-  void write(pugi::xml_node mujoco) const;
+  /// @return `ctrl` of the <key> that they start with, or ""
+  std::string write(pugi::xml_node mujoco) const;
 
  private:
   struct Servo {

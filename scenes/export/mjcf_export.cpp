@@ -5,6 +5,7 @@
 
 #include "core/joints/axis_coupling.h"
 #include "scenes/export/mjcf_actuators.h"
+#include "scenes/export/mjcf_velocities.h"
 #include "scenes/export/model_tree.h"
 
 namespace taut {
@@ -66,7 +67,7 @@ class MjcfWriter {
     tendon_ = root_.append_child("tendon");
     for (JointId joint : tree_.others) write_other(joint);
     for (int f = 0; f < world_.force_count(); ++f) write_force(ForceId{f});
-    actuators_.write(root_);
+    write_key();
     for (pugi::xml_node node : {asset_, equality_, tendon_})
       if (!node.first_child()) root_.remove_child(node);
     note_what_no_model_has(world_, notices_);
@@ -74,6 +75,16 @@ class MjcfWriter {
   }
 
  private:
+  /// How it starts, beside what is said of each joint: controls and velocities.
+  void write_key() {
+    const std::string controls = actuators_.write(root_), rates = mjcf_velocities(world_, tree_, notices_);
+    if (controls.empty() && rates.empty()) return;
+    pugi::xml_node key = root_.append_child("keyframe").append_child("key");
+    key.append_attribute("name") = "start";
+    if (!rates.empty()) key.append_attribute("qvel") = rates.c_str();
+    if (!controls.empty()) key.append_attribute("ctrl") = controls.c_str();
+  }
+
   void write_body(const TreeBody& body) {
     pugi::xml_node node = nodes_[body.parent.index].append_child("body");
     nodes_[body.body.index] = node;

@@ -153,16 +153,13 @@ AxisWords axis_words(const World& world, AxisId axis, std::vector<std::string>& 
 }
 
 void note_what_no_model_has(const World& world, std::vector<std::string>& notices) {
-  bool moves = false, bounces = false, gives = false, drags = false;
-  for (int b = 1; b < world.body_count(); ++b)
-    moves = moves || !world.twist(BodyId{b}).v.isZero(0) || !world.twist(BodyId{b}).w.isZero(0);
+  bool bounces = false, gives = false, drags = false;
   for (int s = 0; s < world.shape_count(); ++s) {
     const Material& material = world.shape(ShapeId{s}).material;
     bounces = bounces || material.restitution > 0;
     gives = gives || material.compliance > 0;
     drags = drags || material.rolling_friction_linear > 0 || material.spinning_friction_linear > 0;
   }
-  if (moves) notices.emplace_back("velocities at the start have no counterpart");
   if (bounces) notices.emplace_back("restitution of contacts has no counterpart");
   if (gives) notices.emplace_back("compliance of contacts has no counterpart");
   if (drags) notices.emplace_back("linear rolling and spinning friction of contacts has no counterpart");

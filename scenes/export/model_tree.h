@@ -47,7 +47,7 @@ struct AxisWords {
 /// What cannot be said is added to the notices.
 AxisWords axis_words(const World& world, AxisId axis, std::vector<std::string>& notices);
 
-/// What a format cannot say of bodies, materials and forces as such: velocities, restitution, compliance.
+/// What no format can say of materials and joints as such: restitution, compliance, what is detached.
 void note_what_no_model_has(const World& world, std::vector<std::string>& notices);
 
 /// "0.1 0 -2", read back bit for bit.  @{

@@ -58,6 +58,10 @@ class UrdfWriter {
     for (const TreeBody& body : tree_.bodies) write_joint(body);
     for (JointId id : tree_.others) write_other(id);
     if (world_.force_count() > 0) notices_.emplace_back("forces have no counterpart");
+    bool moves = false;
+    for (int b = 1; b < world_.body_count(); ++b)
+      moves = moves || !world_.twist(BodyId{b}).v.isZero(0) || !world_.twist(BodyId{b}).w.isZero(0);
+    if (moves) notices_.emplace_back("velocities at the start have no counterpart");
     note_what_no_model_has(world_, notices_);
     notices_.emplace_back("gravity, friction of contacts, and who may touch whom have no counterpart");
     return xml_text(document_);

@@ -230,6 +230,7 @@ void SceneDocument::write_armature(SceneJson& bodies, SceneJson& joints, const A
                     {"mass", axis.armature},
                     {"inertia", vector_json(moments)},
                     {"position", vector_json(at)}});
+  if (axis.rate != 0) bodies.back()["velocity"] = vector_json(axis.rate * across);
   joints.push_back({{"name", slide},
                     {"type", "slider"},
                     {"a", ground_},

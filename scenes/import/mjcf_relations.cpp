@@ -68,7 +68,7 @@ void MjcfRelations::read(const pugi::xml_node& mujoco) {
   each("contact", &MjcfRelations::read_contact);
   each("equality", &MjcfRelations::read_equality);
   each("tendon", &MjcfRelations::read_tendon);
-  read_controls(mujoco);
+  read_key(mujoco);
   each("actuator", &MjcfRelations::read_actuator);
   each("sensor", &MjcfRelations::read_sensor);
 }
@@ -227,37 +227,87 @@ void MjcfRelations::read_spring(const MjcfElement& tendon, Wire& wire) {
   if (rest.size() > 1 && rest[1] > rest[0] && rest[0] >= 0) wire.slack = rest[1] - rest[0];
 }
 
-/// Its coordinates and velocities, if it has any, are those that the model starts with.
+/// Its coordinates, if it has any, are those that the model starts with.
 bool MjcfRelations::is_start(const MjcfElement& key) const {
-  const std::vector<double> q = key.numbers("qpos"), v = key.numbers("qvel");
-  if (!q.empty()) {
-    const std::vector<double> start = start_coordinates(model_);
-    const auto same = [](double x, double y) { return std::abs(x - y) <= 1e-9 * (1 + std::abs(y)); };
-    if (!std::equal(q.begin(), q.end(), start.begin(), start.end(), same)) return false;
-  }
+  const std::vector<double> q = key.numbers("qpos");
+  if (q.empty()) return true;
+  const std::vector<double> start = start_coordinates(model_);
+  const auto same = [](double x, double y) { return std::abs(x - y) <= 1e-9 * (1 + std::abs(y)); };
+  return std::equal(q.begin(), q.end(), start.begin(), start.end(), same);
+}
+
+bool MjcfRelations::is_at_rest(const MjcfElement& key) {
+  const std::vector<double> v = key.numbers("qvel");
   return std::all_of(v.begin(), v.end(), [](double rate) { return rate == 0; });
 }
 
-/// Those of the first <key> that has some and starts from where the model does, or else 0.
-void MjcfRelations::read_controls(const pugi::xml_node& mujoco) {
-  std::size_t count = 0;
-  for (const pugi::xml_node& part : files_.children(mujoco, "actuator"))
-    count += files_.children(part).size();
+/// The first <key> that starts from where the model does, at rest and with controls; or else, with controls
+/// or in motion; or none.
+pugi::xml_node MjcfRelations::start_key(const pugi::xml_node& mujoco) {
+  pugi::xml_node moving;
   for (const pugi::xml_node& part : files_.children(mujoco, "keyframe"))
     for (const pugi::xml_node& key : files_.children(part, "key")) {
       const MjcfElement element(files_, key);
-      if (!controls_.empty() || !key.attribute("ctrl") || !is_start(element)) {
+      const bool rests = is_at_rest(element);
+      if (!is_start(element) || (rests && !key.attribute("ctrl"))) continue;
+      if (rests) return key;
+      if (!moving) moving = key;
+    }
+  return moving;
+}
+
+/// Controls and velocities at the start: those of its <key>, or else 0.
+void MjcfRelations::read_key(const pugi::xml_node& mujoco) {
+  std::size_t count = 0;
+  for (const pugi::xml_node& part : files_.children(mujoco, "actuator"))
+    count += files_.children(part).size();
+  const pugi::xml_node start = start_key(mujoco);
+  for (const pugi::xml_node& part : files_.children(mujoco, "keyframe"))
+    for (const pugi::xml_node& key : files_.children(part, "key")) {
+      const MjcfElement element(files_, key);
+      if (key != start) {
         leave_out(element, "<key>: the model starts as without it");
         continue;
       }
       files_.accept(key);
       element.find("name");
+      if (!is_at_rest(element)) give_velocities(element);
       controls_ = element.numbers("ctrl");
-      if (controls_.size() == count) continue;
+      if (controls_.empty() || controls_.size() == count) continue;
       note(element, "\"ctrl\" has not as many numbers as there are actuators: controls are 0");
       controls_.assign(count, 0.0);
     }
   controls_.resize(count, 0.0);
+}
+
+/// `qvel`, joint by joint: of a free one the velocity of its origin, world axes, and the angular velocity in
+/// the axes of the body, which those of a ball are in, too.
+void MjcfRelations::give_velocities(const MjcfElement& key) {
+  const std::vector<double> v = key.numbers("qvel");
+  std::size_t count = 0;
+  for (const Link& link : model_.links) {
+    count += link.free ? 6 : 0;
+    for (const LinkAxis& axis : link.axes) count += axis.kind == LinkAxis::Kind::kBall ? 3 : 1;
+  }
+  if (v.size() != count)
+    return note(key, "\"qvel\" has not as many numbers as the joints have: the model starts at rest");
+  std::size_t at = 0;
+  const auto three = [&] {
+    at += 3;
+    return Vec3(v[at - 3], v[at - 2], v[at - 1]);
+  };
+  for (Link& link : model_.links) {
+    if (link.free) {
+      link.free_twist.v = three();
+      link.free_twist.w = link.X_WL.q * three();
+    }
+    for (LinkAxis& axis : link.axes)
+      if (axis.kind == LinkAxis::Kind::kBall)
+        axis.spin = three();
+      else
+        axis.rate = v[at++];
+  }
+  note(key, "<key>: the model starts with its velocities");
 }
 
 void MjcfRelations::read_actuator(const pugi::xml_node& node) {

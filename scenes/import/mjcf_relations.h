@@ -33,8 +33,11 @@ class MjcfRelations {
   void read_tendon(const pugi::xml_node& node);
   void read_spatial(const MjcfElement& tendon);
   void read_spring(const MjcfElement& tendon, Wire& wire);
-  void read_controls(const pugi::xml_node& mujoco);
+  void read_key(const pugi::xml_node& mujoco);
+  pugi::xml_node start_key(const pugi::xml_node& mujoco);
   bool is_start(const MjcfElement& key) const;
+  static bool is_at_rest(const MjcfElement& key);
+  void give_velocities(const MjcfElement& key);
   void read_actuator(const pugi::xml_node& node);
   bool has_state(const MjcfElement& actuator) const;
   struct Gains {

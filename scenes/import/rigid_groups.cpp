@@ -122,7 +122,9 @@ class Fusion {
     const Pose X_TR = inverse(to.X_WL) * from.X_WL;
     to.axes = std::move(from.axes);
     from.axes.clear();
-    for (LinkAxis& axis : to.axes) axis.anchor = X_TR.point(axis.anchor), axis.axis = X_TR.q * axis.axis;
+    for (LinkAxis& axis : to.axes)
+      axis.anchor = X_TR.point(axis.anchor), axis.axis = X_TR.q * axis.axis, axis.spin = X_TR.q * axis.spin;
+    to.free_twist = {from.free_twist.w, from.free_twist.at(to.X_WL.p - from.X_WL.p)};
     to.parent = from.parent;
     to.free = from.free;
     to.joint_name = from.joint_name;

@@ -94,6 +94,8 @@ struct LinkAxis {
   Vec3 anchor = Vec3::Zero();  ///< at the start, in the link's frame
   Vec3 axis = Vec3::UnitZ();   ///< of unit length, likewise
   double start = 0;            ///< value at the start, in the terms of the file; the scene's is 0 there
+  double rate = 0;             ///< at the start [rad/s or m/s]
+  Vec3 spin = Vec3::Zero();    ///< of a ball, in place of the rate: in the axes of the link [rad/s]
   double pitch = 0;            ///< of a screw [m per turn]
   double armature = 0;         ///< inertia of the motion by itself [kg m² or kg]
   AxisLaw law;
@@ -107,6 +109,7 @@ struct Link {
   int parent = kWorld;
   bool free = false;  ///< not joined to the parent
   Pose X_WL;          ///< at the start
+  Twist free_twist;   ///< of a link that is free, at the start: of its origin, world axes
   LinkInertia inertia;
   std::string unknown_mass;  ///< why its mass cannot be computed, with file and line; empty: it is known
   std::vector<LinkShape> shapes;

@@ -18,6 +18,26 @@ namespace {
 constexpr double kShareOfMass = 1e-2, kShareOfInertia = 1e-3;
 constexpr int kMostClasses = 32;
 
+/// The motion of what is behind the first `count` axes of a link, whose parent moves; of the point that is at
+/// the origin of the world.
+Twist behind_axes(const Twist& parent, const Link& link, int count) {
+  Twist motion = parent;
+  const auto turn = [&](const LinkAxis& axis, const Vec3& w) {
+    motion.w += w, motion.v += link.X_WL.point(axis.anchor).cross(w);
+  };
+  for (int k = 0; k < count; ++k) {
+    const LinkAxis& axis = link.axes[k];
+    const Vec3 along = link.X_WL.q * (axis.rate * axis.axis);
+    if (axis.kind == LinkAxis::Kind::kBall)
+      turn(axis, link.X_WL.q * axis.spin);
+    else if (axis.kind == LinkAxis::Kind::kHinge)
+      turn(axis, along);
+    else if (axis.kind == LinkAxis::Kind::kSlide)
+      motion.v += along;
+  }
+  return motion;
+}
+
 }  // namespace
 
 SceneJson vector_json(const Vec3& v) { return {v.x(), v.y(), v.z()}; }
@@ -43,6 +63,7 @@ SceneJson SceneDocument::write() {
   document["dt"] = model_.dt;
   if (!model_.contacts) document["settings"] = {{"contacts", false}};
   name_bodies();
+  gather_motions();
   gather_surfaces();
   gather_classes();
   write_materials(document);
@@ -91,6 +112,17 @@ void SceneDocument::name_bodies() {
       note(model_.links[i].place, "\"" + bodies_[i] +
                                       "\" has axes that no single joint has: 1e-2 of its mass and 1e-3 of "
                                       "its inertia are a body between them");
+  }
+}
+
+/// As rates of axes and velocities of free links say.
+void SceneDocument::gather_motions() {
+  for (std::size_t i = 0; i < model_.links.size(); ++i) {
+    const Link& link = model_.links[i];
+    const Twist& free = link.free_twist;
+    motions_.push_back(link.free
+                           ? Twist{free.w, free.at(-link.X_WL.p)}
+                           : behind_axes(motion(link.parent), link, static_cast<int>(link.axes.size())));
   }
 }
 
@@ -169,8 +201,8 @@ SceneJson SceneDocument::shapes_json(const std::vector<LinkShape>& shapes, const
   return list;
 }
 
-SceneJson SceneDocument::body_json(const std::string& name, const Link& link,
-                                   const LinkInertia& inertia) const {
+SceneJson SceneDocument::body_json(const std::string& name, const Link& link, const LinkInertia& inertia,
+                                   const Twist& motion) const {
   SceneJson json{{"name", name}};
   const Mat3& I = inertia.inertia;
   if (is_solid(inertia)) {
@@ -179,6 +211,9 @@ SceneJson SceneDocument::body_json(const std::string& name, const Link& link,
   }
   json["position"] = vector_json(link.X_WL.point(inertia.centre));
   if (!link.X_WL.q.vec().isZero(0)) json["orientation"] = quaternion_json(link.X_WL.q);
+  if (const Vec3 v = motion.at(link.X_WL.point(inertia.centre)); !v.isZero(0))
+    json["velocity"] = vector_json(v);
+  if (!motion.w.isZero(0)) json["angular_velocity"] = vector_json(motion.w);
   return json;
 }
 
@@ -204,8 +239,9 @@ void SceneDocument::write_bodies(SceneJson& document) {
     }
     link.inertia = rest;
     for (std::size_t k = 0; k < shares.size(); ++k)
-      bodies.push_back(body_json(between_[i][k], link, shares[k]));
-    SceneJson json = body_json(bodies_[i], link, link.inertia);
+      bodies.push_back(body_json(between_[i][k], link, shares[k],
+                                 behind_axes(motion(link.parent), link, segments_[i][k + 1].first)));
+    SceneJson json = body_json(bodies_[i], link, link.inertia, motion(static_cast<int>(i)));
     if (stands_still(model_, static_cast<int>(i))) json["fixed"] = true;
     if (!link.shapes.empty()) json["shapes"] = shapes_json(link.shapes, link.inertia.centre);
     bodies.push_back(std::move(json));

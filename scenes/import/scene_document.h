@@ -30,10 +30,13 @@ class SceneDocument {
   }
   const std::string& body(int link) const { return link == kWorld ? ground_ : bodies_[link]; }
   Pose pose(int link) const { return link == kWorld ? Pose{} : model_.links[link].X_WL; }
+  Twist motion(int link) const { return link == kWorld ? Twist{} : motions_[link]; }
   Pose world(const LinkFrame& frame) const { return pose(frame.link) * frame.X_LF; }
 
   // scene_document.cpp
-  SceneJson body_json(const std::string& name, const Link& link, const LinkInertia& inertia) const;
+  SceneJson body_json(const std::string& name, const Link& link, const LinkInertia& inertia,
+                      const Twist& motion) const;
+  void gather_motions();
   SceneJson shapes_json(const std::vector<LinkShape>& shapes, const Vec3& centre) const;
   void write_bodies(SceneJson& document);
   std::vector<LinkInertia> shares_between(std::size_t link) const;
@@ -78,6 +81,7 @@ class SceneDocument {
   std::vector<std::vector<std::string>> between_;    // by link: bodies between its joints
   std::vector<std::vector<JointSegment>> segments_;  // by link
   std::vector<std::vector<std::string>> joints_;     // by link: names of the joints of its segments
+  std::vector<Twist> motions_;  // by link: at the start, of its point at the origin of the world
   TakenNames body_names_{{"ground", 1}}, joint_names_, probe_names_;
   std::map<Surface, std::string> surfaces_;
   std::map<TouchKind, int> classes_;

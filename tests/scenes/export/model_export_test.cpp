@@ -73,6 +73,53 @@ TEST(ModelExport, AnArmAsMjcfMovesAsTheScene) {
   EXPECT_TRUE(notices.empty()) << notices[0];
 }
 
+/// Of an arm, of joints of several axes, and of what is free.
+TEST(ModelExport, VelocitiesAtTheStartAreTheKeyOfAMjcf) {
+  Scene scene = arm();
+  World& w = scene.world;
+  const auto body = [&](const char* name, const Vec3& p) {
+    return w.add_body(
+        {.name = name, .mass = MassProperties::box({0.3, 0.2, 0.1}, 1), .pose = {exp_so3(p), p}});
+  };
+  const BodyId d = body("d", {1, 3, 0}), e = body("e", {2, 3, 0.5}), f = body("f", {0, 5, 0}),
+               g = body("g", {0.5, 6, 0});
+  const JointId cardan =
+      w.add("cardan", Universal::at(w, kGround, d, Vec3(0, 3, 0), Vec3::UnitY(), Vec3::UnitZ()));
+  w.add("ball", Ball::at(w, d, e, Vec3(1.5, 3, 0)));
+  w.add("weld", Fixed::at(w, f, g, Vec3(0, 5.5, 0)));
+  const auto move = [&](BodyId id, const Vec3& anchor, const Vec3& v, const Vec3& spin) {
+    w.set_twist(id, {spin, v + spin.cross(w.pose(id).p - anchor)});
+  };
+  const BodyId a = w.body("a"), b = w.body("b"), c = w.body("c");
+  const auto of = [&](BodyId id, const Vec3& at) { return w.twist(id).at(at - w.pose(id).p); };
+  move(a, Vec3::Zero(), Vec3::Zero(), Vec3(0, 0.7, 0));
+  move(b, Vec3(1, 0.3, 0), of(a, Vec3(1, 0.3, 0)) + 0.4 * Vec3(0.6, 0, 0.8), w.twist(a).w);
+  move(c, Vec3(1, 1, 0), of(b, Vec3(1, 1, 0)), w.twist(b).w + 0.9 * Vec3(0, 0.6, 0.8));
+  move(d, Vec3(0, 3, 0), Vec3::Zero(), Vec3(0, 1.1, -0.6));
+  move(e, Vec3(1.5, 3, 0), of(d, Vec3(1.5, 3, 0)), Vec3(0.3, -0.2, 0.5));
+  move(f, w.pose(f).p, Vec3(1, -2, 3), Vec3(0.4, 0.5, -0.6));
+  move(g, w.pose(g).p, of(f, w.pose(g).p), w.twist(f).w);
+  (void)cardan;
+  std::vector<std::string> notices;
+  const Scene back = there_and_back(scene, mjcf_of, "m.xml", notices);
+  EXPECT_TRUE(notices.empty()) << notices[0];
+  for (int i = 1; i < w.body_count(); ++i) {
+    const Twist &there = w.twist(BodyId{i}), &here = back.world.twist(back.world.body(w.name(BodyId{i})));
+    EXPECT_LT((there.v - here.v).norm(), 1e-13) << w.name(BodyId{i});
+    EXPECT_LT((there.w - here.w).norm(), 1e-13) << w.name(BodyId{i});
+  }
+  EXPECT_LT(difference(scene, back), 1e-8);
+  // What a joint forbids is named; URDF has no velocities.
+  move(a, Vec3::Zero(), Vec3(0, 0, 1), Vec3(0, 0.7, 0));
+  (void)mjcf_of(scene, notices);
+  ASSERT_FALSE(notices.empty());
+  EXPECT_EQ(notices[0], "a: a velocity at the start that its joint does not allow has no counterpart");
+  notices.clear();
+  (void)urdf_of(scene, notices);
+  EXPECT_NE(std::find(notices.begin(), notices.end(), "velocities at the start have no counterpart"),
+            notices.end());
+}
+
 TEST(ModelExport, AnArmAsUrdfMovesAsTheSceneWithoutItsSpring) {
   std::vector<std::string> notices;
   Scene scene = arm();

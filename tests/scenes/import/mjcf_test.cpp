@@ -5,6 +5,7 @@
 
 #include "scenes/files/scene_file.h"
 #include "scenes/import/imported_model.h"
+#include "solvers/diagnosis/start_checks.h"
 #include "solvers/simulator/simulator.h"
 #include "tests/scenes/import/text_checks.h"
 
@@ -277,8 +278,15 @@ TEST(ImportMjcf, ControlsAreThoseOfTheStart) {
   EXPECT_TRUE(notes(still, "<key>: the model starts as without it"));
   // One that says where it starts anyhow, at the reference of the first joint, is one of the start.
   EXPECT_EQ(motor_of(with("<key qpos='0.00872664625997165 0' qvel='0 0' ctrl='1 1'/>"), 0)["max_force"], 5);
-  EXPECT_TRUE(
-      notes(with("<key qpos='0.00872664625997165 0' qvel='0 1' ctrl='1 1'/>"), "starts as without it"));
+  // At rest rather than in motion.
+  const ImportedModel moving = with("<key qvel='0 1' ctrl='2 1'/>");
+  EXPECT_EQ(motor_of(moving, 0)["max_force"], 10);
+  EXPECT_TRUE(notes(moving, "<key>: the model starts with its velocities"));
+  const ImportedModel both = with("<key qvel='0 1' ctrl='2 1'/><key ctrl='1 1'/>");
+  EXPECT_EQ(motor_of(both, 0)["max_force"], 5);
+  EXPECT_TRUE(notes(both, "<key>: the model starts as without it"));
+  EXPECT_FALSE(both.document["bodies"][0].contains("velocity"));
+  EXPECT_TRUE(notes(with("<key qvel='1'/>"), "has not as many numbers as the joints have"));
   const ImportedModel pushed = with("<key qpos='1 1' ctrl='1 1'/><key ctrl='-7 0.5'/>");
   EXPECT_EQ(motor_of(pushed, 0), (nlohmann::ordered_json{{"velocity", -1e6}, {"max_force", 10.0}}));
   EXPECT_EQ(motor_of(pushed, 1), (nlohmann::ordered_json{{"velocity", 0.0}, {"damping", 1.5}}));
@@ -290,6 +298,34 @@ TEST(ImportMjcf, ControlsAreThoseOfTheStart) {
   const double inertia = scene.world.mass_properties(BodyId{1}).inertia_B()(1, 1);
   EXPECT_NEAR(scene.world.twist(BodyId{1}).w.y(), -10 / inertia * 1e-3, 1e-9 / inertia);
   EXPECT_TRUE(notes(with("<key ctrl='1'/>"), "has not as many numbers as there are actuators"));
+}
+
+/// Rates of all kinds of joints, of a body between two of them, and of an armature.
+TEST(ImportMjcf, VelocitiesAreThoseOfTheKey) {
+  const ImportedModel model = imported(
+      "<compiler angle='radian'/><worldbody>"
+      "<body name='free' pos='0 5 0' euler='0 0 1.5707963267948966'><freejoint/>" +
+      kBall +
+      "</body><body name='arm' pos='1 0 0'><joint name='hip' pos='-1 0 0' axis='0 0 1' armature='.3'/>" +
+      kBall +
+      "<body name='hand' pos='1 0 0'><joint name='x' type='slide' axis='1 0 0'/>"
+      "<joint name='knee' axis='0 0 1'/><joint name='bend' axis='0 1 0' pos='-.5 0 0'/>" +
+      kBall + "</body></body><body name='globe' pos='0 0 3'><joint type='ball' pos='0 0 1'/>" + kBall +
+      "</body></worldbody><keyframe><key qvel='1 2 3 4 5 6  2 .5 3 7  .1 .2 .3'/></keyframe>");
+  const Scene scene = scene_of(model);
+  const World& w = scene.world;
+  const auto twist = [&](const char* name) { return w.twist(w.body(name)); };
+  EXPECT_LT((twist("free").v - Vec3(1, 2, 3)).norm(), 1e-15);
+  EXPECT_LT((twist("free").w - Vec3(-5, 4, 6)).norm(), 1e-14);
+  EXPECT_LT((twist("arm").v - Vec3(0, 2, 0)).norm(), 1e-15);
+  EXPECT_LT((twist("arm").w - Vec3(0, 0, 2)).norm(), 1e-15);
+  // 2 m from the hip, sliding by .5, turning by 3 about itself, and by 7 about y half a metre behind it.
+  EXPECT_LT((twist("hand").w - Vec3(0, 7, 5)).norm(), 1e-14);
+  EXPECT_LT((twist("hand").v - Vec3(.5, 4, -3.5)).norm(), 1e-14);
+  EXPECT_LT((twist("globe").w - Vec3(.1, .2, .3)).norm(), 1e-15);
+  EXPECT_LT((twist("globe").v - Vec3(.1, .2, .3).cross(Vec3(0, 0, -1))).norm(), 1e-15);
+  EXPECT_NEAR(twist("hip_armature").v.norm(), 2, 1e-14);
+  EXPECT_TRUE(forbidden_velocity(w).empty());
 }
 
 /// A position's damping as a part of what is critical for what its joint moves, with a gear and an armature.
