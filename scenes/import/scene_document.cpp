@@ -115,14 +115,23 @@ void SceneDocument::name_bodies() {
   }
 }
 
-/// As rates of axes and velocities of free links say.
+/// As rates of axes and velocities of free links say.  A parent may stand behind what hangs on it, where
+/// links have become one.
 void SceneDocument::gather_motions() {
-  for (std::size_t i = 0; i < model_.links.size(); ++i) {
-    const Link& link = model_.links[i];
-    const Twist& free = link.free_twist;
-    motions_.push_back(link.free
-                           ? Twist{free.w, free.at(-link.X_WL.p)}
-                           : behind_axes(motion(link.parent), link, static_cast<int>(link.axes.size())));
+  const int count = static_cast<int>(model_.links.size());
+  motions_.resize(count);
+  std::vector<bool> known(count, false);
+  for (int i = 0; i < count; ++i) {
+    std::vector<int> way;  // from the link to one that is known
+    for (int k = i; k != kWorld && !known[k]; k = model_.links[k].free ? kWorld : model_.links[k].parent)
+      way.push_back(k);
+    for (; !way.empty(); way.pop_back()) {
+      const Link& link = model_.links[way.back()];
+      motions_[way.back()] = link.free
+                                 ? Twist{link.free_twist.w, link.free_twist.at(-link.X_WL.p)}
+                                 : behind_axes(motion(link.parent), link, static_cast<int>(link.axes.size()));
+      known[way.back()] = true;
+    }
   }
 }
 
