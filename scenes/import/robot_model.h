@@ -48,19 +48,20 @@ inline Surface larger_of(const Surface& a, const Surface& b) {
 struct TouchKind {
   int type = 1, affinity = 1;         ///< bits
   std::set<int> first_of, second_of;  ///< numbers of pairs
+  /// A second condition of the same form on types and affinities, which has to be met as well.
+  int category = ~0, collide = ~0;
 
-  bool operator<(const TouchKind& other) const {
-    return std::tie(type, affinity, first_of, second_of) <
-           std::tie(other.type, other.affinity, other.first_of, other.second_of);
-  }
+  auto as_tuple() const { return std::tie(type, affinity, first_of, second_of, category, collide); }
+  bool operator<(const TouchKind& other) const { return as_tuple() < other.as_tuple(); }
 };
 
 inline bool touch(const TouchKind& a, const TouchKind& b) {
   const auto share = [](const std::set<int>& firsts, const std::set<int>& seconds) {
     return std::any_of(firsts.begin(), firsts.end(), [&](int pair) { return seconds.contains(pair); });
   };
-  return (a.type & b.affinity) || (b.type & a.affinity) || share(a.first_of, b.second_of) ||
-         share(b.first_of, a.second_of);
+  const bool by_type = (a.type & b.affinity) || (b.type & a.affinity);
+  const bool by_category = (a.category & b.collide) || (b.category & a.collide);
+  return (by_type && by_category) || share(a.first_of, b.second_of) || share(b.first_of, a.second_of);
 }
 
 struct LinkShape {

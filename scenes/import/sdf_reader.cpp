@@ -1,10 +1,12 @@
 #include "scenes/import/sdf_reader.h"
 
 #include <algorithm>
+#include <charconv>
 #include <map>
 
 #include "scenes/import/link_inertia.h"
 #include "scenes/import/mesh_shape.h"
+#include "scenes/import/sdf_sensor.h"
 #include "scenes/import/xml_values.h"
 
 namespace taut::model {
@@ -27,7 +29,10 @@ class SdfModelReader {
     for (const pugi::xml_node& link : files_.children(node_, "link")) read_link(link);
     for (const pugi::xml_node& joint : files_.children(node_, "joint")) read_joint(joint);
     for (const pugi::xml_node& joint : files_.children(node_, "joint"))
-      if (std::string_view(joint.attribute("type").value()) == "gearbox") read_gearbox(joint);
+      if (std::string_view(joint.attribute("type").value()) == "gearbox")
+        read_gearbox(joint);
+      else if (!static_)
+        relate(joint);
   }
 
  private:
@@ -103,6 +108,9 @@ class SdfModelReader {
     link.free = !static_;
     link.inertia = inertia_of(node);
     for (const pugi::xml_node& shape : files_.children(node, "collision")) read_collision(link, shape);
+    const int index = static_cast<int>(model_.links.size());
+    for (const pugi::xml_node& sensor : files_.children(node, "sensor"))
+      read_sdf_sensor(files_, sensor, {index, {}}, false, model_);
     if (!index_.try_emplace(link.name, static_cast<int>(model_.links.size())).second)
       files_.fail(node, "there is another link of this name (value: " + link.name + ")");
     model_.links.push_back(std::move(link));
@@ -133,10 +141,16 @@ class SdfModelReader {
     LinkShape shape;
     if (const char* name = files_.find(node, "name")) shape.name = name;
     shape.X_LS = raw_pose(node);
-    if (!own_touch_) shape.touches = {own_bits(), ~own_bits() & 0x7fffffff, {}, {}};
-    if (const auto surface = files_.child(node, "surface"))
+    if (!own_touch_) shape.touches.type = own_bits(), shape.touches.affinity = ~own_bits() & 0x7fffffff;
+    if (const auto surface = files_.child(node, "surface")) {
       if (const auto friction = files_.child(surface, "friction"))
         if (const auto ode = files_.child(friction, "ode")) shape.surface.sliding = value(ode, "mu", 1);
+      if (const auto contact = files_.child(surface, "contact")) {
+        constexpr int kAll = 0xffff;
+        shape.touches.collide = bitmask(contact, "collide_bitmask", kAll);
+        shape.touches.category = bitmask(contact, "category_bitmask", shape.touches.collide);
+      }
+    }
     try {
       if (auto found = shape_of(geometry, shape.X_LS)) {
         shape.shape = std::move(*found);
@@ -147,6 +161,18 @@ class SdfModelReader {
     } catch (const std::invalid_argument& error) {
       note(geometry, std::string("<geometry>: its shape is left out: ") + error.what());
     }
+  }
+  /// 16 bits, also in hexadecimal digits.
+  int bitmask(const pugi::xml_node& parent, const char* name, int fallback) {
+    const auto found = find_text(parent, name);
+    if (!found) return fallback;
+    const bool hexadecimal = found->starts_with("0x") || found->starts_with("0X");
+    const char *begin = found->data() + (hexadecimal ? 2 : 0), *end = found->data() + found->size();
+    int bits = -1;
+    const auto [rest, error] = std::from_chars(begin, end, bits, hexadecimal ? 16 : 10);
+    if (error != std::errc() || rest != end || bits < 0 || bits > 0xffff)
+      files_.fail(parent, std::string("<") + name + "> must be a number of 16 bits (value: " + *found + ")");
+    return bits;
   }
   /// Links of one model do not touch each other unless it says so.
   int own_bits() const { return 1 << std::min<std::size_t>(model_.models, 30); }
@@ -191,7 +217,9 @@ class SdfModelReader {
     if (child == kWorld) files_.fail(node, "the world cannot be a child");
     std::vector<LinkAxis> axes = axes_of(node, name, type, child);
     Link& link = model_.links[child];
+    link_of_joint_[name] = kWorld;
     if (link.free && !leads_to(parent, child)) {
+      link_of_joint_[name] = child;
       link.free = false;
       link.parent = parent;
       link.axes = std::move(axes);
@@ -276,6 +304,45 @@ class SdfModelReader {
     return given && *given ? frame(axis, given).q : X_MJ.q;
   }
 
+  /// Mimics and sensors of a joint, which need the others.
+  void relate(const pugi::xml_node& node) {
+    const std::string name = files_.required(node, "name");
+    for (const char* key : {"axis", "axis2"})
+      if (const auto axis = files_.child(node, key))
+        if (const auto mimic = files_.child(axis, "mimic")) read_mimic(mimic, name, key);
+    for (const pugi::xml_node& sensor : files_.children(node, "sensor"))
+      read_sdf_sensor(files_, sensor, {link_of_joint_.at(name), {}}, true, model_);
+  }
+
+  /// The hinge, slide or screw that is the joint's axis of this key; none of one that closes a loop.
+  std::optional<AxisName> axis_name(const std::string& joint, std::string_view key) const {
+    const int link = link_of_joint_.at(joint);
+    const int k = key == "axis2" ? 1 : 0;
+    if (link == kWorld || k >= static_cast<int>(model_.links[link].axes.size())) return {};
+    if (model_.links[link].axes[k].kind == LinkAxis::Kind::kBall) return {};
+    return AxisName{link, k};
+  }
+
+  /// follower = multiplier (leader − reference) + offset.
+  void read_mimic(const pugi::xml_node& node, const std::string& follower, const char* key) {
+    const std::string leader = files_.required(node, "joint");
+    if (!link_of_joint_.contains(leader))
+      files_.fail(node, "there is no joint of this name (value: " + leader + ")");
+    const char* of = files_.find(node, "axis");
+    const auto driven = axis_name(follower, key), driving = axis_name(leader, of ? of : "axis");
+    AxisRelation relation;
+    relation.name = follower + "_mimic";
+    relation.ratio = value(node, "multiplier", 1);
+    relation.place = files_.place(node);
+    const double constant = value(node, "offset", 0) - relation.ratio * value(node, "reference", 0);
+    if (!driven || !driving || relation.ratio == 0)
+      return note(node,
+                  "<mimic> of joints that do not move or close a loop, or by a multiplier of 0: left out");
+    if (constant != 0) note(node, "<mimic>: the relation holds as at the start, without its constant");
+    relation.driven = *driven, relation.driving = *driving;
+    model_.relations.push_back(std::move(relation));
+  }
+
   /// theta_1 = −ratio theta_2: of the parent and of the child against the reference body.
   void read_gearbox(const pugi::xml_node& node) {
     const std::string name = files_.required(node, "name");
@@ -316,6 +383,7 @@ class SdfModelReader {
   bool static_ = false, own_touch_ = false;
   std::map<std::string, pugi::xml_node> frames_;
   std::map<std::string, int> index_;
+  std::map<std::string, int> link_of_joint_;  // the link that hangs on it; kWorld: it closes a loop
 };
 
 }  // namespace

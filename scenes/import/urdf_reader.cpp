@@ -6,6 +6,7 @@
 
 #include "scenes/import/link_inertia.h"
 #include "scenes/import/mesh_shape.h"
+#include "scenes/import/sdf_sensor.h"
 #include "scenes/import/xml_values.h"
 
 namespace taut::model {
@@ -30,6 +31,8 @@ class UrdfReader {
     place_links(root());
     for (const pugi::xml_node& node : files_.children(robot_, "loop_joint")) read_loop(node);
     relate();
+    for (const pugi::xml_node& node : robot_.children("gazebo"))
+      if (node.child("sensor")) read_gazebo(node);
     return std::move(model_);
   }
 
@@ -326,6 +329,20 @@ class UrdfReader {
       else
         model_.relations.push_back(std::move(relation));
     }
+  }
+
+  /// Sensors of a link or a joint; what else there is has no counterpart.
+  void read_gazebo(const pugi::xml_node& node) {
+    files_.accept(node);
+    const std::string name = files_.required(node, "reference");
+    const auto link = index_.find(name);
+    const auto joint = joint_by_name_.find(name);
+    if (link == index_.end() && joint == joint_by_name_.end())
+      files_.fail(node, "there is no link or joint of this name (value: " + name + ")");
+    const bool of_joint = link == index_.end();
+    const int at = of_joint ? index_.at(joints_[joint->second].child) : link->second;
+    for (const pugi::xml_node& sensor : files_.children(node, "sensor"))
+      read_sdf_sensor(files_, sensor, {at, {}}, of_joint, model_);
   }
 
   void note(const pugi::xml_node& node, const std::string& message) {

@@ -16,6 +16,8 @@
 namespace taut::sdf_test {
 namespace {
 
+using testing::notes;
+
 const std::string kBar =
     "<inertial><pose>0 0 -0.5 0 0 0</pose><mass>2</mass><inertia><ixx>0.2</ixx><iyy>0.2</iyy><izz>0.01</izz>"
     "</inertia></inertial>";
@@ -74,6 +76,110 @@ TEST(ImportSdf, LawsOfAxes) {
   EXPECT_EQ(axis["spring"]["stiffness"], 3);
   EXPECT_EQ(axis["spring"]["rest"], 0.1);
   EXPECT_EQ(axis["friction"]["static"], 0.25);
+}
+
+TEST(ImportSdf, MimicIsAGear) {
+  const auto mimicking = [](const std::string& mimic, const std::string& type = "revolute") {
+    return imported(link("a") + link("b") + joint("j", "revolute", "world", "a") +
+                    joint("k", type, "world", "b", "<axis><xyz>0 1 0</xyz>" + mimic + "</axis>"));
+  };
+  const ImportedModel model = mimicking("<mimic joint='j'><multiplier>-2</multiplier></mimic>");
+  EXPECT_FALSE(notes(model, "mimic"));
+  const auto& gear = model.document["joints"][2];
+  EXPECT_EQ(gear["type"], "gear");
+  EXPECT_EQ(gear["driving"]["joint"], "j");
+  EXPECT_EQ(gear["driven"]["joint"], "k");
+  Scene scene = scene_of(model);
+  const World& w = scene.world;
+  scene.world.add_force(BodyTorque(w.body("a"), Vec3(0, 1, 0), false));
+  Simulator simulator(scene.world);
+  for (int i = 0; i < 100; ++i) ASSERT_TRUE(simulator.step(1e-3).exact());
+  EXPECT_GT(std::abs(w.twist(w.body("a")).w.y()), 1e-3);
+  EXPECT_NEAR(w.twist(w.body("b")).w.y(), -2 * w.twist(w.body("a")).w.y(), 1e-8);
+  // It starts where the file puts it, whatever the constant.
+  EXPECT_TRUE(notes(mimicking("<mimic joint='j'><multiplier>2</multiplier><offset>1</offset></mimic>"),
+                    "the relation holds as at the start, without its constant"));
+  EXPECT_FALSE(notes(mimicking("<mimic joint='j'><multiplier>2</multiplier><offset>1</offset>"
+                               "<reference>.5</reference></mimic>"),
+                     "mimic"));
+  EXPECT_TRUE(notes(mimicking("<mimic joint='j'><multiplier>0</multiplier></mimic>"), "left out"));
+  EXPECT_TRUE(notes(mimicking("<mimic joint='j' axis='axis2'/>"), "left out"));
+  expect_refused(link("a") + joint("j", "revolute", "world", "a",
+                                   "<axis><xyz>0 1 0</xyz><mimic joint='no such'/></axis>"),
+                 "there is no joint of this name (value: no such)");
+}
+
+/// Collision happens if a category and the mask of the other share a bit, and links of one model do not
+/// touch.
+TEST(ImportSdf, BitmasksSayWhoTouches) {
+  const auto model = [](const std::string& name, const std::string& contact, const std::string& self = "") {
+    const std::string ball =
+        "<collision name='c'><geometry><sphere><radius>.1</radius></sphere></geometry><surface><contact>" +
+        contact + "</contact></surface></collision>";
+    return "<model name='" + name + "'>" + self + link(name, "0 0 0 0 0 0", kBar + ball) +
+           link(name + "2", "0 0 0 0 0 0", kBar + ball) + "</model>";
+  };
+  const auto collide = [](int bits) {
+    return "<collide_bitmask>" + std::to_string(bits) + "</collide_bitmask>";
+  };
+  const Scene scene = scene_of(import_model_text(
+      "<sdf version='1.11'><world name='w'>" + model("a", "<collide_bitmask>0x01</collide_bitmask>") +
+          model("b", collide(3)) + model("c", collide(2)) + model("d", collide(0)) + model("e", "") +
+          model("f", collide(0) + "<category_bitmask>2</category_bitmask>") +
+          model("g", collide(4), "<self_collide>true</self_collide>") + "</world></sdf>",
+      "m.sdf"));
+  const World& w = scene.world;
+  const auto touch = [&](const char* a, const char* b) {
+    const auto filter = [&](const char* name) {
+      for (int s = 0; s < w.shape_count(); ++s)
+        if (w.shape(ShapeId{s}).body == w.body(name)) return w.shape(ShapeId{s}).filter;
+      return CollisionFilter{};
+    };
+    const CollisionFilter x = filter(a), y = filter(b);
+    return (x.groups & y.mask) != 0 && (y.groups & x.mask) != 0;
+  };
+  EXPECT_TRUE(touch("a", "b"));
+  EXPECT_TRUE(touch("b", "c"));
+  EXPECT_FALSE(touch("a", "c"));
+  EXPECT_FALSE(touch("a", "d"));
+  EXPECT_FALSE(touch("d", "e"));
+  EXPECT_TRUE(touch("a", "e"));
+  EXPECT_TRUE(touch("c", "f"));
+  EXPECT_FALSE(touch("a", "f"));
+  EXPECT_FALSE(touch("a", "a2"));
+  EXPECT_FALSE(touch("e", "e2"));
+  EXPECT_TRUE(touch("g", "g2"));
+  EXPECT_FALSE(touch("g", "a"));
+  for (const std::string wrong : {"-1", "65536", "0x", "three", ""})
+    testing::expect_refused(
+        [&] {
+          return import_model_text("<sdf version='1.7'>" +
+                                       model("a", "<collide_bitmask>" + wrong + "</collide_bitmask>") +
+                                       "</sdf>",
+                                   "m.sdf");
+        },
+        "must be a number of 16 bits");
+}
+
+TEST(ImportSdf, SensorsAreProbes) {
+  const auto sensor = [](const std::string& name, const std::string& type) {
+    return "<sensor name='" + name + "' type='" + type + "'/>";
+  };
+  const ImportedModel model = imported(
+      link("a", "0 0 0 0 0 0", kBar + sensor("imu", "imu") + sensor("eye", "camera")) + link("b") +
+      joint("j", "revolute", "world", "a", "<axis><xyz>0 1 0</xyz></axis>" + sensor("load", "force_torque")) +
+      joint("k", "revolute", "a", "b") + joint("l", "ball", "world", "b", sensor("closing", "force_torque")));
+  std::string probes;
+  for (const auto& probe : model.document["probes"])
+    probes += probe["name"].get<std::string>() + ": " + probe["quantity"].get<std::string>() + " of " +
+              probe[probe.contains("body") ? "body" : "joint"].get<std::string>() + "\n";
+  EXPECT_EQ(probes,
+            "imu: angular-velocity of a\nimu_orientation: orientation of a\nload_force: reaction-force of j\n"
+            "load_torque: reaction-torque of j\n");
+  EXPECT_TRUE(notes(model, "<sensor> \"imu\" of type imu: probes of the angular velocity and orientation"));
+  EXPECT_TRUE(notes(model, "<sensor> \"eye\" of type camera: has no counterpart: left out"));
+  EXPECT_TRUE(notes(model, "a sensor of an axis or joint that the scene does not have: left out"));
+  (void)scene_of(model);
 }
 
 std::vector<double> numbers_of(const pugi::xml_node& parent, const char* name) {

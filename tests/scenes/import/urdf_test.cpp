@@ -97,6 +97,26 @@ TEST(ImportUrdf, MimicIsAGearThatStartsAtItsOffset) {
   EXPECT_NEAR(w_b.y(), -2 * w_a.y(), 1e-8);
 }
 
+TEST(ImportUrdf, SensorsOfGazeboAreProbes) {
+  const std::string robot =
+      link("world", "") + link("a") + joint("j", "continuous", "world", "a", "<axis xyz='0 1 0'/>");
+  const ImportedModel model = imported(
+      robot +
+      "<gazebo reference='a'><material>Gazebo/Red</material><sensor name='s' type='imu'/></gazebo>"
+      "<gazebo reference='j'><sensor name='f' type='force_torque'/><sensor name='c' type='contact'/></gazebo>"
+      "<gazebo><plugin/></gazebo>");
+  ASSERT_EQ(model.document["probes"].size(), 4U);
+  EXPECT_EQ(model.document["probes"][0]["body"], "a");
+  EXPECT_EQ(model.document["probes"][3],
+            (nlohmann::ordered_json{{"quantity", "reaction-torque"}, {"joint", "j"}, {"name", "f_torque"}}));
+  EXPECT_TRUE(notes(model, "<sensor> \"c\" of type contact: has no counterpart: left out"));
+  EXPECT_TRUE(notes(model, "<material>"));
+  EXPECT_TRUE(notes(model, "<gazebo>"));
+  (void)scene_of(robot + "<gazebo reference='a'><sensor name='s' type='imu'/></gazebo>");
+  expect_refused(robot + "<gazebo reference='b'><sensor name='s' type='imu'/></gazebo>",
+                 "there is no link or joint of this name (value: b)");
+}
+
 TEST(ImportUrdf, ALinkWithoutMassIsAPartOfWhatItIsFixedTo) {
   const ImportedModel model = imported(
       link("base", "") + link("body") +
