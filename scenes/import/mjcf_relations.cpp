@@ -66,8 +66,8 @@ void MjcfRelations::read(const pugi::xml_node& mujoco) {
         }
   };
   each("contact", &MjcfRelations::read_contact);
-  each("equality", &MjcfRelations::read_equality);
   each("tendon", &MjcfRelations::read_tendon);
+  each("equality", &MjcfRelations::read_equality);
   read_key(mujoco);
   each("actuator", &MjcfRelations::read_actuator);
   each("sensor", &MjcfRelations::read_sensor);
@@ -119,6 +119,7 @@ void MjcfRelations::give_surface(const MjcfElement& pair, Surface& a, Surface& b
 
 void MjcfRelations::read_equality(const pugi::xml_node& node) {
   const std::string_view kind = node.name();
+  if (kind == "tendon") return read_tendon_equality(node);
   if (kind != "connect" && kind != "weld" && kind != "joint") return;
   files_.accept(node);
   const MjcfElement element(files_, node);
@@ -179,10 +180,50 @@ void MjcfRelations::read_joint_equality(const MjcfElement& equality) {
   model_.relations.push_back(std::move(relation));
 }
 
+/// c₁ q₁ + c₂ q₂, or c₁ q₁, stays as it is at the start.
+void MjcfRelations::read_tendon_equality(const pugi::xml_node& node) {
+  const MjcfElement equality(files_, node);
+  const auto found = fixed_.find(equality.text("tendon1"));
+  if (found == fixed_.end() || node.attribute("tendon2")) return;
+  files_.accept(node);
+  const std::vector<FixedPart>& parts = found->second;
+  const double constant = equality.numbers("polycoef", {0, 1, 0, 0, 0})[0];
+  AxisRelation relation;
+  relation.name = name_of(equality);
+  relation.place = equality.place();
+  relation.active = equality.flag("active", true);
+  relation.driven = parts[0].axis;
+  if (parts.size() == 2) {
+    relation.driving = parts[1].axis;
+    relation.ratio = -parts[1].coef / parts[0].coef;
+    if (constant != 0)
+      note(equality, "\"polycoef\": the relation holds as at the start, without its constant");
+  } else {
+    relation.value = axis(relation.driven).start + constant / parts[0].coef;
+  }
+  model_.relations.push_back(std::move(relation));
+}
+
+/// Of one or two hinges or slides: what refers to it can act on these.
+bool MjcfRelations::read_fixed(const MjcfElement& tendon) {
+  std::vector<FixedPart> parts;
+  for (const pugi::xml_node& node : files_.children(tendon.node(), "joint")) {
+    const MjcfElement part(files_, node);
+    parts.push_back({joint(part, "joint"), part.number("coef", 1)});
+    if (parts.back().coef == 0 || axis(parts.back().axis).kind == LinkAxis::Kind::kBall) return false;
+  }
+  if (parts.empty() || parts.size() > 2) return false;
+  if (const std::string name = tendon.text("name"); !name.empty()) fixed_[name] = std::move(parts);
+  return true;
+}
+
 void MjcfRelations::read_tendon(const pugi::xml_node& node) {
   files_.accept(node);
-  if (std::string_view(node.name()) == "spatial")
+  const std::string_view kind = node.name();
+  if (kind == "spatial")
     read_spatial(defaults_.element(node, ""));
+  else if (kind == "fixed" && read_fixed(defaults_.element(node, "")))
+    return;
   else
     leave_out(MjcfElement(files_, node),
               "<" + std::string(node.name()) + ">: this tendon has no counterpart");
@@ -316,14 +357,26 @@ void MjcfRelations::read_actuator(const pugi::xml_node& node) {
   const std::string kind = node.name(), name = actuator.text("name");
   const bool known =
       kind == "general" || kind == "motor" || kind == "position" || kind == "velocity" || kind == "damper";
-  const char* attribute = node.attribute("joint") ? "joint" : "jointinparent";
-  if (!known || !node.attribute(attribute) || has_state(actuator) || !model_.actuation)
+  const auto through =
+      known && model_.actuation && !has_state(actuator) ? transmission(actuator) : std::nullopt;
+  if (!through)
     return leave_out(actuator, "<" + kind + "> \"" + name + "\": has no counterpart: it does nothing");
   if (model_.groups_disabled.contains(static_cast<int>(actuator.number("group", 0))))
     return leave_out(actuator, "<" + kind + "> \"" + name + "\": its group is disabled: it does nothing");
-  const AxisName on = joint(actuator, attribute);
-  const auto range = control_range(actuator, on);
-  act_on_joint(actuator, range ? std::clamp(control, range->first, range->second) : control, on);
+  actuator_axes_[name] = through->axis;
+  const auto range = control_range(actuator, through->axis);
+  act_on_joint(actuator, range ? std::clamp(control, range->first, range->second) : control, *through);
+}
+
+/// The joint that it acts on, by itself or by a tendon that is a multiple of it; none of anything else.
+std::optional<MjcfRelations::FixedPart> MjcfRelations::transmission(const MjcfElement& actuator) const {
+  const pugi::xml_node& node = actuator.node();
+  for (const char* key : {"joint", "jointinparent"})
+    if (node.attribute(key)) return FixedPart{joint(actuator, key), 1};
+  const auto found = fixed_.find(node.attribute("tendon").value());
+  if (found == fixed_.end() || found->second.size() != 1 || node.attribute("inheritrange")) return {};
+  actuator.text("tendon");
+  return found->second[0];
 }
 
 /// That its control keeps to: its own, or of a position that of its joint, scaled about the middle.
@@ -396,9 +449,9 @@ MjcfRelations::Gains MjcfRelations::gains_of(const MjcfElement& actuator, double
 }
 
 /// force = gear (gain₀ u + bias₀ + bias₁ gear q + bias₂ gear q̇), with gain and bias of the kind.
-AxisDrive MjcfRelations::drive_of(const MjcfElement& actuator, double control, const AxisName& on) {
-  const double gear = actuator.numbers("gear", {1, 0, 0, 0, 0, 0})[0];
-  const auto [gain, bias] = gains_of(actuator, control, gear, on);
+AxisDrive MjcfRelations::drive_of(const MjcfElement& actuator, double control, const FixedPart& through) {
+  const double gear = through.coef * actuator.numbers("gear", {1, 0, 0, 0, 0, 0})[0];
+  const auto [gain, bias] = gains_of(actuator, control, gear, through.axis);
   const double constant = gain * control + bias[0];
   const auto range = actuator.range("forcerange", "forcelimited", compiler_);
   if (bias[1] == 0 && bias[2] == 0)
@@ -410,9 +463,10 @@ AxisDrive MjcfRelations::drive_of(const MjcfElement& actuator, double control, c
 }
 
 /// Those of one joint are one motor.
-void MjcfRelations::act_on_joint(const MjcfElement& actuator, double control, const AxisName& on) {
+void MjcfRelations::act_on_joint(const MjcfElement& actuator, double control, const FixedPart& through) {
+  const AxisName& on = through.axis;
   const std::string label = "<" + std::string(actuator.node().name()) + "> \"" + actuator.text("name") + "\"";
-  const AxisDrive drive = drive_of(actuator, control, on);
+  const AxisDrive drive = drive_of(actuator, control, through);
   AxisDrive& all = axis(on).drive;
   if (drive.stiffness < 0 || drive.damping < 0)
     return note(actuator, label + ": a bias that is no spring: has no counterpart");
@@ -449,6 +503,13 @@ void MjcfRelations::read_sensor(const pugi::xml_node& node) {
   if (of_joint != kOfJoints.end()) {
     probe.quantity = of_joint->second;
     probe.axis = joint(sensor, "joint");
+  } else if (kind == "actuatorfrc") {
+    const std::string actuator = files_.required(node, "actuator");
+    const auto found = actuator_axes_.find(actuator);
+    if (found == actuator_axes_.end()) throw NotThere{actuator};
+    probe.quantity = "axis-force";
+    probe.axis = found->second;
+    note(sensor, "<actuatorfrc>: the probe is of all that acts along the joint of the actuator");
   } else if (of_site != kOfSites.end()) {
     probe.quantity = of_site->second;
     probe.at = site(sensor, "site");

@@ -31,6 +31,14 @@ class MjcfRelations {
   void read_weld(const MjcfElement& weld, Loop loop);
   void read_joint_equality(const MjcfElement& equality);
   void read_tendon(const pugi::xml_node& node);
+  void read_tendon_equality(const pugi::xml_node& node);
+  /// A joint as a part of a tendon that is a sum of joints, or by itself.
+  struct FixedPart {
+    AxisName axis;
+    double coef = 1;
+  };
+  bool read_fixed(const MjcfElement& tendon);
+  std::optional<FixedPart> transmission(const MjcfElement& actuator) const;
   void read_spatial(const MjcfElement& tendon);
   void read_spring(const MjcfElement& tendon, Wire& wire);
   void read_key(const pugi::xml_node& mujoco);
@@ -47,8 +55,8 @@ class MjcfRelations {
   std::optional<std::pair<double, double>> control_range(const MjcfElement& actuator, const AxisName& on);
   double damping_of(const MjcfElement& position, double kp, double gear, const AxisName& on);
   Gains gains_of(const MjcfElement& actuator, double control, double gear, const AxisName& on);
-  AxisDrive drive_of(const MjcfElement& actuator, double control, const AxisName& on);
-  void act_on_joint(const MjcfElement& actuator, double control, const AxisName& on);
+  AxisDrive drive_of(const MjcfElement& actuator, double control, const FixedPart& through);
+  void act_on_joint(const MjcfElement& actuator, double control, const FixedPart& through);
   void read_sensor(const pugi::xml_node& node);
   bool frame_sensor(const MjcfElement& sensor, ModelProbe& probe);
   LinkFrame object_of(const MjcfElement& sensor);
@@ -73,6 +81,8 @@ class MjcfRelations {
   const MjcfNames& names_;
   std::string prefix_;  // of names in the whole
   RobotModel& model_;
+  std::map<std::string, std::vector<FixedPart>> fixed_;  // tendons of one or two joints
+  std::map<std::string, AxisName> actuator_axes_;
   std::vector<double> controls_;  // of the actuators in their order
   std::size_t actuators_ = 0;     // that are read already
 };

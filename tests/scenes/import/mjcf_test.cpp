@@ -300,6 +300,43 @@ TEST(ImportMjcf, ControlsAreThoseOfTheStart) {
   EXPECT_TRUE(notes(with("<key ctrl='1'/>"), "has not as many numbers as there are actuators"));
 }
 
+TEST(ImportMjcf, TendonsOfOneOrTwoJoints) {
+  const auto with = [](const std::string& rest) {
+    return imported(kDriven +
+                    "<compiler angle='radian'/><tendon><fixed name='one'><joint joint='j' coef='3'/></fixed>"
+                    "<fixed name='two'><joint joint='j' coef='2'/><joint joint='k' coef='.5'/></fixed>"
+                    "</tendon>" +
+                    rest);
+  };
+  // 2 j + ½ k stays as it is.
+  const ImportedModel geared = with("<equality><tendon name='g' tendon1='two'/></equality>");
+  const auto& gear = geared.document["joints"][2];
+  EXPECT_EQ(gear["type"], "gear");
+  EXPECT_EQ(gear["driven"]["joint"], "j");
+  EXPECT_EQ(gear["driving"]["joint"], "k");
+  EXPECT_EQ(gear["ratio"], -0.25);
+  (void)scene_of(geared);
+  const ImportedModel held = with("<equality><tendon tendon1='one' polycoef='.3 1 0 0 0'/></equality>");
+  EXPECT_EQ(held.document["joints"][2]["type"], "driver");
+  EXPECT_NEAR(held.document["joints"][2]["motion"]["linear"]["value"].get<double>(), 0.1, 1e-15);
+  (void)scene_of(held);
+  EXPECT_TRUE(notes(with("<equality><tendon tendon1='one' tendon2='two'/></equality>"), "<tendon>"));
+  // A force along 3 j is three times that on j, by which its stiffness is nine times that of j.
+  const ImportedModel driven = with(
+      "<actuator><position name='p' tendon='one' kp='4' gear='2' forcerange='-3 3'/></actuator>"
+      "<sensor><actuatorfrc name='f' actuator='p'/></sensor>");
+  EXPECT_EQ(motor_of(driven, 0)["stiffness"], 4.0 * 36);
+  EXPECT_EQ(motor_of(driven, 0)["max_force"], 3.0 * 6);
+  ASSERT_EQ(driven.document["probes"].size(), 1U);
+  EXPECT_EQ(driven.document["probes"][0]["quantity"], "axis-force");
+  EXPECT_EQ(driven.document["probes"][0]["axis"]["joint"], "j");
+  (void)scene_of(driven);
+  EXPECT_TRUE(notes(with("<actuator><motor name='m' tendon='two'/></actuator>"),
+                    "has no counterpart: it does nothing"));
+  EXPECT_TRUE(
+      notes(with("<sensor><actuatorfrc actuator='m'/></sensor>"), "names \"m\", which has no counterpart"));
+}
+
 /// Rates of all kinds of joints, of a body between two of them, and of an armature.
 TEST(ImportMjcf, VelocitiesAreThoseOfTheKey) {
   const ImportedModel model = imported(
