@@ -8,11 +8,13 @@
 #include <fstream>
 #include <iostream>
 #include <nlohmann/json.hpp>
+#include <numeric>
 #include <string>
 #include <vector>
 
 #include "benchmarks/one_blas_thread.h"
 #include "benchmarks/timing.h"
+#include "core/base/fnv1a.h"
 #include "scenes/bench/bench_report.h"
 #include "scenes/support/format.h"
 #include "solvers/friction/friction_solver.h"
@@ -28,11 +30,17 @@ struct Tally {
   std::array<int, 5> rungs{};  ///< of what is solved
   std::vector<int> factorisations, contacts;
   double seconds = 0;
+  int sweeps = 0;
+  double residual = 0;  ///< largest, of impulses and rates
+  Fnv1a fingerprint;    ///< of all impulses
 
   void add(const FrictionProblem& problem, const FrictionResult& result, double taken) {
     ++ended[static_cast<std::size_t>(result.status)];
     contacts.push_back(problem.contacts());
     seconds += taken;
+    sweeps += result.sweeps;
+    residual = std::max({residual, result.errors.impulses, result.errors.rates});
+    for (const double impulse : result.r) fingerprint.add(impulse);
     if (result.status != FrictionStatus::kSolved) return;
     factorisations.push_back(result.factorisations);
     ++rungs[static_cast<std::size_t>(result.rung)];
@@ -59,6 +67,7 @@ Json json_of(const std::string& name, const Tally& tally) {
   for (const auto& [label, part] :
        {std::pair{"50", 0.5}, {"75", 0.75}, {"90", 0.9}, {"99", 0.99}, {"100", 1.0}})
     quantiles[label] = quantile(tally.factorisations, part);
+  quantiles["sum"] = std::accumulate(tally.factorisations.begin(), tally.factorisations.end(), 0);
   return {{"family", name},
           {"stages", tally.contacts.size()},
           {"contacts", {{"median", quantile(tally.contacts, 0.5)}, {"most", quantile(tally.contacts, 1)}}},
@@ -68,6 +77,9 @@ Json json_of(const std::string& name, const Tally& tally) {
           {"factorisations", quantiles},
           {"below_60", tally.share_below(60)},
           {"rungs", rungs},
+          {"sweeps", tally.sweeps},
+          {"largest_residual", tally.residual},
+          {"fingerprint", format("%016llx", static_cast<unsigned long long>(tally.fingerprint.value()))},
           {"processor_seconds", tally.seconds}};
 }
 
@@ -122,7 +134,7 @@ Json inexact_of(int number, const char* family, const FrictionProblem& problem,
 Json run(int first, int count) {
   std::array<Tally, std::size(benchmarks::kStageFamilyNames)> families;
   Tally all;
-  Json inexact = Json::array();
+  Json inexact = Json::array(), last_rung = Json::array();
   for (int i = first; i < first + count; ++i) {
     const benchmarks::RandomStage stage(i);
     const FrictionProblem problem = stage.problem();
@@ -131,6 +143,7 @@ Json run(int first, int count) {
     const double seconds = benchmarks::cpu_seconds() - begin;
     for (Tally* tally : {&families[static_cast<std::size_t>(i) % families.size()], &all})
       tally->add(problem, result, seconds);
+    if (result.tried.back() > 0) last_rung.push_back(i);
     if (result.status == FrictionStatus::kInexact)
       inexact.push_back(inexact_of(i, stage.family(), problem, result));
     if ((i + 1) % 500 == 0) std::cerr << i + 1 << " stages, " << inexact.size() << " inexact\n";
@@ -140,6 +153,7 @@ Json run(int first, int count) {
     results["families"].push_back(json_of(benchmarks::kStageFamilyNames[f], families[f]));
   results["families"].push_back(json_of("all", all));
   results["inexact"] = inexact;
+  results["last_rung"] = last_rung;  // numbers of the stages that it was tried on
   return results;
 }
 

@@ -28,7 +28,7 @@ ActiveSet::ActiveSet(ConstraintSystem& system) : system_(system), updates_(syste
   segments_.assign(n, -1);
   steps_.assign(n, 0);
   moves_.assign(n, 0);
-  for (auto* values : {&states_, &effective_mass_, &root_, &residual_, &decision_, &best_lambda_,
+  for (auto* values : {&states_, &effective_mass_, &root_diagonal_, &residual_, &decision_, &best_lambda_,
                        &start_lambda_, &start_w_, &slope_})
     values->assign(n, 0.0);
 }
@@ -84,7 +84,7 @@ ActiveSetOutcome ActiveSet::solve(std::span<const RowLaw> laws, std::span<const 
   ActiveSetOutcome outcome;
   choose_segments(laws, b, lambda);
   system_.effective_masses(effective_mass_);
-  for (std::size_t r = 0; r < laws.size(); ++r) root_[r] = 1 / std::sqrt(effective_mass_[r]);
+  for (std::size_t r = 0; r < laws.size(); ++r) root_diagonal_[r] = 1 / std::sqrt(effective_mass_[r]);
   best_residual_ = std::numeric_limits<double>::infinity();
 
   Search result = search(problem, times, outcome);
@@ -192,16 +192,17 @@ double ActiveSet::read_segment_residuals(const Problem& problem) {
   scale_ = 0;
   for (std::size_t r = 0; r < states_.size(); ++r) {
     const double w = problem.w[r];
-    scale_ = std::max({scale_, root_[r] * std::abs(problem.lambda[r]), std::abs(problem.b[r]) / root_[r]});
+    scale_ = std::max({scale_, root_diagonal_[r] * std::abs(problem.lambda[r]),
+                       std::abs(problem.b[r]) / root_diagonal_[r]});
     residual_[r] = 0;
     if (states_[r] == kMasked) continue;
-    double stiffness = root_[r];
+    double stiffness = root_diagonal_[r];
     if (states_[r] == 0) {
       residual_[r] = problem.laws[r].rate(segments_[r]) - w;
-      scale_ = std::max(scale_, std::abs(problem.laws[r].rate(segments_[r])) / root_[r]);
+      scale_ = std::max(scale_, std::abs(problem.laws[r].rate(segments_[r])) / root_diagonal_[r]);
     } else {
       residual_[r] = states_[r] * (problem.laws[r].force(segments_[r]) - problem.lambda[r]) - w;
-      stiffness = std::sqrt(root_[r] * root_[r] + states_[r]);
+      stiffness = std::sqrt(root_diagonal_[r] * root_diagonal_[r] + states_[r]);
     }
     largest.add(std::abs(residual_[r]) / stiffness);
   }
@@ -215,7 +216,7 @@ bool ActiveSet::impulses_to_decide_by(const Problem& problem) {
   bool missed = false;
   for (std::size_t r = 0; r < states_.size() && !missed; ++r)
     missed = std::abs(residual_[r]) >
-                 std::max(Tuning::kDecision * scale_ * root_[r], problem.settings.rate_tolerance) &&
+                 std::max(Tuning::kDecision * scale_ * root_diagonal_[r], problem.settings.rate_tolerance) &&
              states_[r] == 0;
   if (!missed) {
     std::copy(problem.lambda.begin(), problem.lambda.end(), decision_.begin());
@@ -235,7 +236,7 @@ int ActiveSet::find_wrong_rows(const Problem& problem) {
     const double noise = ResidualTuning::kRoundOff / system_.factored_shift();
     double largest = 0;
     for (std::size_t r = 0; r < states_.size(); ++r)
-      largest = std::max(largest, root_[r] * std::abs(decision_[r]));
+      largest = std::max(largest, root_diagonal_[r] * std::abs(decision_[r]));
     impulse_slack = std::max(impulse_slack, noise * largest);
     rate_slack = std::max(rate_slack, noise * segment_residual_);
   }
@@ -244,11 +245,13 @@ int ActiveSet::find_wrong_rows(const Problem& problem) {
     const RowLaw& law = problem.laws[r];
     const int segment = segments_[r];
     if (RowLaw::is_vertical(segment)) {
-      const double value = decision_[r] + law.slope * law.rate(segment), slack = impulse_slack / root_[r];
+      const double value = decision_[r] + law.slope * law.rate(segment),
+                   slack = impulse_slack / root_diagonal_[r];
       moves_[r] =
           static_cast<signed char>((value < law.low(segment) - slack) - (value > law.high(segment) + slack));
     } else {
-      const double w = problem.w[r], slack = std::max(rate_slack * root_[r], problem.settings.rate_tolerance);
+      const double w = problem.w[r],
+                   slack = std::max(rate_slack * root_diagonal_[r], problem.settings.rate_tolerance);
       moves_[r] =
           static_cast<signed char>((w > law.last(segment) + slack) - (w < law.first(segment) - slack));
     }
@@ -262,8 +265,8 @@ void ActiveSet::measure(const Problem& problem, ActiveSetOutcome& outcome) {
   if (!std::isfinite(scale_)) return;
   LargestResidual largest;
   largest.add_rows(
-      problem.laws, [&](std::size_t r) { return root_[r] * root_[r]; }, problem.lambda, problem.w,
-      problem.settings.rate_tolerance);
+      problem.laws, [&](std::size_t r) { return root_diagonal_[r] * root_diagonal_[r]; }, problem.lambda,
+      problem.w, problem.settings.rate_tolerance);
   outcome.residual = largest.over(scale_);
   outcome.worst_row = largest.row();
 }

@@ -147,7 +147,7 @@ class ActiveSet {
   ProjectedGaussSeidel gauss_seidel_;
   std::vector<int> segments_, steps_;  ///< −1 segments: no history; K of the law that a segment belongs to
   std::vector<signed char> moves_;
-  std::vector<double> states_, effective_mass_, root_, residual_, decision_, best_lambda_;
+  std::vector<double> states_, effective_mass_, root_diagonal_, residual_, decision_, best_lambda_;
   std::vector<double> start_lambda_, start_w_, slope_;  ///< of a descent
   double best_residual_ = 0;
   double scale_ = 0;

@@ -167,7 +167,7 @@ bool ContactSolver::solve_by_sweeps(const StageProblem& problem, double rate_tol
   const double residual = error.over(impulse_scale(diagonal_of(problem), problem.lambda, problem.b));
   if (!(residual <= inexact) || !std::isfinite(max_abs(problem.lambda))) return false;
   if (residual > ResidualTuning::kMetByContacts)
-    record.loose = residual;
+    record.inexact = residual;
   else
     record.residual = std::max(record.residual, residual);
   return true;

@@ -79,7 +79,7 @@ struct StageAttempt {
     report.times += record.times;
     report.counts.contact_iterations += record.iterations;
     report.complementarity_residual = std::max(report.complementarity_residual, record.residual);
-    inexact_residual = record.loose;
+    inexact_residual = record.inexact;
   }
 };
 

@@ -11,14 +11,9 @@ StagePivoting::StagePivoting(const StageModel& model, const StageResidual& resid
   active_.emplace(model.system);
 }
 
-bool StagePivoting::left_to_bodies() {
-  return !model_.contacts.empty() || model_.system.uses_primal_system() ||
-         (primal_stages_left_ > 0 && primal_stages_left_-- > 0);
-}
-
 /// Solves with renewed laws until all agree.
 StageVerdict StagePivoting::solve(StageAttempt& attempt) {
-  if (left_to_bodies()) return StageVerdict::kNext;
+  if (!model_.contacts.empty() || model_.system.uses_primal_system()) return StageVerdict::kNext;
   const std::span<double> lambda = attempt.stage.lambda;
   ActiveSetSettings settings{.rate_tolerance = attempt.rate_tolerance};
   if (has_many_bounded_rows()) settings.max_descent_rounds = 0;  // the bodies are faster
@@ -34,7 +29,7 @@ StageVerdict StagePivoting::solve(StageAttempt& attempt) {
         worst = std::max(worst, outcome_.residual);
         return StageVerdict::kMet;
       }
-      if (settings.rate_tolerance == 0) return give_up(attempt, false);
+      if (settings.rate_tolerance == 0) return give_up(attempt);
       settings.rate_tolerance = 0;  // it has let something pass
       continue;
     }
@@ -49,9 +44,8 @@ bool StagePivoting::has_many_bounded_rows() const {
   return std::ssize(model_.system.rows().axis_rows()) >= Tuning::kManyRows;
 }
 
-/// From the guess through the bodies, and the next stages at once if that is wanted.
-StageVerdict StagePivoting::give_up(StageAttempt& attempt, bool next_too) {
-  if (next_too) primal_stages_left_ = Tuning::kPrimalStagesInARow;
+/// From the guess through the bodies.
+StageVerdict StagePivoting::give_up(StageAttempt& attempt) {
   std::copy(guess_.begin(), guess_.end(), attempt.stage.lambda.begin());
   return StageVerdict::kNext;
 }
@@ -59,9 +53,9 @@ StageVerdict StagePivoting::give_up(StageAttempt& attempt, bool next_too) {
 /// A failure, unless what is asked for are the last digits, or the rows are so many that
 /// the bodies are the fall-back.
 StageVerdict StagePivoting::after_stall(StageAttempt& attempt, bool polishes) {
-  const bool many = has_many_bounded_rows();
-  if (!polishes && (!many || outcome_.status != ActiveSetStatus::kNotConverged)) return StageVerdict::kFailed;
-  return give_up(attempt, many);
+  if (!polishes && (!has_many_bounded_rows() || outcome_.status != ActiveSetStatus::kNotConverged))
+    return StageVerdict::kFailed;
+  return give_up(attempt);
 }
 
 void StagePivoting::take_segments(const StageSolution& solution) {

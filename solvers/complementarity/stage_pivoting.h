@@ -17,14 +17,13 @@ class Archive;
 
 /// Stages by the active set on the factor of S: again where static friction lets go, and until the friction
 /// of contacts, which has the radius and slip of the solve before, agrees with their slip and normal impulse.
-/// Remembers the segments of the rows, and when it was given up.  (solvers/complementarity, "Ladder", "The
+/// Remembers the segments of the rows.  (solvers/complementarity, "Ladder", "The
 /// active set")
 class StagePivoting {
  public:
   StagePivoting(const StageModel& model, const StageResidual& residual, StageCulprits& culprits);
 
-  /// Left to the next rung where there are contacts, S is not formed, or it was given up lately, and then
-  /// from the guess.
+  /// Left to the next rung where there are contacts or S is not formed.
   StageVerdict solve(StageAttempt& attempt);
 
   ActiveSet& active_set() { return *active_; }
@@ -36,8 +35,6 @@ class StagePivoting {
   /// How the last active set went.
   const ActiveSetOutcome& outcome() const { return outcome_; }
   void note_not_converged() { outcome_.status = ActiveSetStatus::kNotConverged; }
-  /// Given up lately: stages go straight to the bodies.
-  bool is_given_up() const { return primal_stages_left_ > 0; }
 
   /// What is remembered from step to step, to or from bytes (checkpoint_memory.cpp).
   void transfer(Archive& archive);
@@ -45,9 +42,8 @@ class StagePivoting {
  private:
   using Tuning = StageTuning;
 
-  bool left_to_bodies();
   bool has_many_bounded_rows() const;
-  StageVerdict give_up(StageAttempt& attempt, bool next_too);
+  StageVerdict give_up(StageAttempt& attempt);
   StageVerdict after_stall(StageAttempt& attempt, bool polishes);
 
   StageModel model_;
@@ -55,7 +51,6 @@ class StagePivoting {
   StageCulprits& culprits_;
   std::optional<ActiveSet> active_;
   ActiveSetOutcome outcome_;
-  int primal_stages_left_ = 0;  // that go straight to the bodies, since the active set gave up on one before
   std::vector<double> guess_;
   std::vector<int> segments_scratch_;
 };

@@ -27,13 +27,13 @@ struct StageRecord {
   StageTimes times;
   int iterations = 0;   ///< Newton steps
   double residual = 0;  ///< largest natural residual of what was taken as met, relative
-  double loose = 0;     ///< the same beyond 1e-8, where that may be taken
+  double inexact = 0;   ///< the same beyond 1e-8, where that may be taken
 
   void add(const StageRecord& other) {
     times += other.times;
     iterations += other.iterations;
     residual = std::max(residual, other.residual);
-    loose = std::max(loose, other.loose);
+    inexact = std::max(inexact, other.inexact);
   }
 };
 

@@ -15,7 +15,7 @@ ContactLimits contact_limits(const StageAttempt& attempt, const ConstraintSystem
                        .warm_start = system.uses_primal_system(),
                        .warm_start_tolerance = attempt.warm_start_tolerance,
                        .inexact = attempt.budget.inexact};
-  if (attempt.stage.exact) limits.newton.tolerance = StageTuning::kMendedExactly;
+  if (attempt.stage.exact) limits.newton.tolerance = StageTuning::kExactTolerance;
   if (attempt.budget.reduced) limits.newton.iterations = StageTuning::kReducedSteps;
   return limits;
 }
@@ -74,7 +74,7 @@ StageEnd StageSolver::solve(const Stage& stage, double rate_tolerance, SubstepRe
       .effective_mass = effective_mass_,
       .w = w_,
       .budget = budget_,
-      .tolerance = stage.near ? StageTuning::kMendedExactly : ResidualTuning::kMet,
+      .tolerance = stage.near ? StageTuning::kExactTolerance : ResidualTuning::kMet,
       .rate_tolerance = rate_tolerance,
       .warm_start_tolerance = warm_start_.begin(rate_tolerance, stage.near ? rate_tolerance : tight),
       .report = report};
@@ -101,7 +101,7 @@ StageVerdict StageSolver::judge(StageAttempt& attempt, const StageRecord& record
   attempt.add(record);
   pivoting_.take_segments(attempt.solution(lambda));
   if (solved && !model_.move_laws(attempt.problem(), attempt.rate_tolerance)) return StageVerdict::kMet;
-  const bool jams = solved && solves == StageTuning::kMaxMendings;
+  const bool jams = solved && solves == StageTuning::kMaxRenewals;
   if (jams) culprits_.find_jam(lambda, attempt.effective_mass);
   if (solved) attempt.stage.renew();
   if (solved && !jams) return StageVerdict::kNext;

@@ -57,9 +57,7 @@ class StageSolver {
   /// So many axes rub that the bodies are the system, and nothing else.
   bool friction_dominated() const { return model_.friction_dominated(); }
   /// Stages ask for the factor of S, if they do, themselves.
-  bool factors_on_demand() const {
-    return !model_.contacts.empty() || model_.system.uses_primal_system() || pivoting_.is_given_up();
-  }
+  bool factors_on_demand() const { return !model_.contacts.empty() || model_.system.uses_primal_system(); }
 
   // Before a solve.
   /// Forgets what was noted in the last advance.

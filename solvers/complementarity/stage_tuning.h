@@ -24,25 +24,23 @@ struct StageTuning {
   // Warm start.
   /// Impulses that are off their laws by no more than ContactSolverTuning::kNear are mended by so many
   /// sweeps, if that is enough.
-  static constexpr int kMendingSweeps = 50;
+  static constexpr int kWarmStartSweeps = 50;
 
   // Active set.
   /// More solves of a stage, because friction let go or velocities were not yet exact.
   static constexpr int kMaxAxisSolves = 40;
-  /// So many stages go straight to the bodies after one that stalled.
-  static constexpr int kPrimalStagesInARow = 60;
   /// Bounded rows from which on an active set that stalls is not descended from: the bodies are faster.
   static constexpr int kManyRows = 60;
 
   // Through the bodies.
   /// Solves of a stage, because friction let go or the load that it grows by has changed.
-  static constexpr int kMaxMendings = 40;
+  static constexpr int kMaxRenewals = 40;
   /// Without contacts Newton's method starts where the laws are off by no more than this part, for so many
   /// steps: then it has few rows to put on other segments.
   static constexpr double kNewtonRange = 1e-5;
   static constexpr int kFewSteps = 8;
   /// What that leaves where positions were looked at again: round-off.
-  static constexpr double kMendedExactly = 1e-13;
+  static constexpr double kExactTolerance = 1e-13;
   /// Newton steps where those of the step before were not enough.
   static constexpr int kReducedSteps = 300;
 

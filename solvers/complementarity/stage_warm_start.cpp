@@ -38,7 +38,7 @@ StageWarmStart::Trial StageWarmStart::accept(StageAttempt& attempt) {
   if (!is_near_enough(attempt, off)) return Trial::kMissed;
   if (off > ResidualTuning::kMet) {
     held_.assign(lambda.begin(), lambda.end());
-    off = contact_solver_.sweep(attempt.problem(held_), StageTuning::kMendingSweeps, tolerance);
+    off = contact_solver_.sweep(attempt.problem(held_), StageTuning::kWarmStartSweeps, tolerance);
     if (off > ResidualTuning::kMet) return Trial::kMissed;
     std::copy(held_.begin(), held_.end(), lambda.begin());
   }

@@ -17,9 +17,8 @@ struct FrictionNewtonTuning {
   /// Bounds of ρ: below the first it does nothing but for round-off, above the second steps are too short to
   /// be of use.
   static constexpr double kLeastRho = 1e-11, kMostRho = 1e2;
-  /// ρ after a matrix that is singular: so many times that, and at least so much.
-  static constexpr double kRhoOfSingular = 10, kLeastRhoOfSingular = 1e-10;
-  /// ρ after a step that was not taken, after a whole one, and after one shorter than kShortStep.
+  /// ρ after a matrix that is singular or a step that was not taken, after a whole one, and after one shorter
+  /// than kShortStep.
   static constexpr double kRhoAfterNone = 30, kRhoAfterWhole = 0.1, kRhoAfterShort = 3;
   /// Part of a step below which ρ grows, so that the next one is not cut down that far.
   static constexpr double kShortStep = 0.25;
@@ -151,7 +150,7 @@ Vector FrictionNewton::solve(const ScaledFriction& problem, Vector r, BestImpuls
     Vector delta;
     ++best.factorisations;
     if (!linear.step(g, gamma, shift, delta)) {
-      shift = std::max(Tuning::kRhoOfSingular * shift, Tuning::kLeastRhoOfSingular);
+      shift = std::max(Tuning::kRhoAfterNone * shift, Tuning::kLeastRho);
       ++idle;
       continue;
     }

@@ -12,9 +12,9 @@ void ContactRows::choose(std::span<const int> slots, const Rows& rows) {
 }
 
 void ContactRows::set_effective_masses(std::span<const double> effective_mass) {
-  root_.resize(effective_mass.size());
+  root_diagonal_.resize(effective_mass.size());
   for (std::size_t r = 0; r < effective_mass.size(); ++r)
-    root_[r] = effective_mass[r] > 0 ? 1 / std::sqrt(effective_mass[r]) : 1;
+    root_diagonal_[r] = effective_mass[r] > 0 ? 1 / std::sqrt(effective_mass[r]) : 1;
 }
 
 double ContactRows::friction_bound(int k, double normal) const {

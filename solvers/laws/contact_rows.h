@@ -34,7 +34,7 @@ class ContactRows {
   std::span<const int> first_rows() const { return first_row_; }
   int row_count(int k) const { return slot(k).at.row_count(); }
   bool has_twist(int k) const { return slot(k).at.twist; }
-  double root(int row) const { return root_[row]; }  ///< √S_rr
+  double root(int row) const { return root_diagonal_[row]; }  ///< √S_rr
 
   const ContactConstraints& table() const { return table_; }
   const ContactCache::Slot& slot(int k) const { return table_.cache.slots()[slots_[k]]; }
@@ -45,7 +45,9 @@ class ContactRows {
   bool locates_impacts(int k) const { return table_.locates_plastic || slot(k).material.restitution > 0; }
   double compliance(int k) const { return slot(k).material.compliance; }
   /// Along row r of the contact.
-  ContactSpring spring(int k, int r = 0) const { return {compliance(k), root_[first_row_[k] + r], table_.h}; }
+  ContactSpring spring(int k, int r = 0) const {
+    return {compliance(k), root_diagonal_[first_row_[k] + r], table_.h};
+  }
 
   bool works(int k) const { return point(k).live; }
   bool presses(int k, std::span<const double> lambda) const {
@@ -97,7 +99,7 @@ class ContactRows {
  private:
   ContactConstraints& table_;
   std::vector<int> slots_, first_row_;
-  std::vector<double> root_;
+  std::vector<double> root_diagonal_;
   bool normality_ = false;
 };
 

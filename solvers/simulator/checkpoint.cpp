@@ -18,7 +18,7 @@ namespace {
 /// What a checkpoint begins with: its format, and the properties of axes whose parts its reports have.
 const std::string& mark() {
   static const std::string kMark = [] {
-    std::string text = "taut-checkpoint/10";
+    std::string text = "taut-checkpoint/11";
     for_axis_types([&]<typename Property>() {
       if constexpr (PlainAxisProperty<Property>) text += std::string("+") + Property::kFacts.key;
     });

@@ -254,10 +254,10 @@ void Breaking::transfer(Archive& archive) {
 void Sleep::transfer(Archive& archive, World& world) {
   if (!enabled()) return;
   read_bodies(world);
-  std::vector<char> seen(stirs_.size());
-  std::vector<char> asleep(stirs_.size());  // those of an island may have been woken since
+  std::vector<char> seen(wake_counts_.size());
+  std::vector<char> asleep(wake_counts_.size());  // those of an island may have been woken since
   for (int b = 0; b < std::ssize(seen); ++b) {
-    seen[b] = stirs_[b] == world.wake_count({b});
+    seen[b] = wake_counts_[b] == world.wake_count({b});
     asleep[b] = world.is_asleep({b});
   }
   archive.sized(quiet_), archive.sized(seen), archive.sized(asleep), archive.sized(island_of_);
@@ -270,7 +270,7 @@ void Sleep::transfer(Archive& archive, World& world) {
   if (!archive.reads()) return;
   for (int b = 0; b < bodies; ++b)
     if (asleep[b]) world.put_to_sleep({b});
-  for (int b = 0; b < bodies; ++b) stirs_[b] = world.wake_count({b}) - !seen[b];
+  for (int b = 0; b < bodies; ++b) wake_counts_[b] = world.wake_count({b}) - !seen[b];
 }
 
 void SleepingLoads::transfer(Archive& archive) {
@@ -283,7 +283,7 @@ void WeldReactions::transfer(Archive& archive) {
 }
 
 void StepDivision::transfer(Archive& archive, double most) {
-  archive(substeps_, most_substeps_, quiet_, hard_steps_);
+  archive(substeps_, most_substeps_, quiet_, reduced_budget_steps_);
   const auto is_count = [&](double n) { return n >= 1 && n <= most; };
   Archive::require(is_count(substeps_) && is_count(most_substeps_) && quiet_ >= 0);
 }
@@ -354,7 +354,7 @@ void ConstraintSystem::transfer(Archive& archive, const Configuration& at) {
 
 void StageWarmStart::transfer(Archive& archive) { archive(rested_); }
 
-void StagePivoting::transfer(Archive& archive) { archive(primal_stages_left_, outcome_.status); }
+void StagePivoting::transfer(Archive& archive) { archive(outcome_.status); }
 
 void StageSolver::transfer(Archive& archive) {
   for (auto* rows : {&effective_mass_, &w_}) archive.sized(*rows);

@@ -38,7 +38,11 @@ class MergedBodies {
   MergedWorld::OpenWeld place_members(const State& state);
   /// The gap of the weld that is open furthest, where the members are placed already.
   Gap placed_gap() const { return merged_->widest_weld(source_, placed_).gap; }
-  void end_step() { set_since_step_ = false; }
+  /// What is done is published.
+  void end_step(bool done) {
+    set_since_step_ = false;
+    if (done) publish();
+  }
   /// The source gets what the copy has come to.
   void publish();
   /// There is nothing to publish: the source stays as it was.

@@ -90,37 +90,28 @@ Simulator::Impl::Impl(World& world, const Settings& settings)
 
 const StepReport& Simulator::step(double dt) {
   require_positive("step dt", dt);
-  impl().whole_.reset();
-  return impl().events_.is_pending() ? step_with_events(dt) : take_step(dt);
-}
-
-/// One step without regard to events, or a part of one between them.
-const StepReport& Simulator::take_step(double dt) {
-  const detail::FlushToZero mode;
   Impl& now = impl();
+  if (now.events_.is_pending() && !now.goal_) return step_with_events(dt);  // parts of it come here
+  const detail::FlushToZero mode;
   const StepLoads::Acting loads(now.source_, now.loads_, now.events_.loads());
   Impl::Before before = now.begin_step(dt);
   try {
-    const Stopwatch watch(now.report_.times.total);
-    const detail::InterruptScope scope(&now.hooks_.interrupt);
-    const detail::StageWatchScope watched(&now.hooks_.stage_watch);
+    const Impl::Watches watches(now);
     now.fall_asleep();
     while (now.start_advancing()) {
       {
         const World::Hold held = now.source_.hold();
         Scheme& scheme = now.stepper_.scheme();
-        Substepping& substeps = now.substepping_;
-        for (substeps.begin(scheme, dt); substeps.goes_on();) {
-          const double h = substeps.next(scheme);
+        for (now.substepping_.begin(scheme, dt); now.substepping_.goes_on();) {
+          const double h = now.substepping_.next(scheme);
           SubstepReport report;
           const Scheme::Outcome outcome = scheme.advance(h, report);
-          substeps.react(outcome, report, scheme, now.report_);
+          now.substepping_.react(outcome, report, scheme, now.report_);
         }
       }
       if (now.finish_advancing(dt)) break;  // else once more, with bodies awake that it has touched
     }
-    now.bodies_.end_step();
-    if (now.report_.ok()) now.bodies_.publish();
+    now.bodies_.end_step(now.report_.ok());
   } catch (...) {
     now.give_up(std::move(before));
   }
@@ -130,6 +121,7 @@ const StepReport& Simulator::take_step(double dt) {
 
 /// Follows the World and chooses bodies that may fall asleep; an empty report.
 Simulator::Impl::Before Simulator::Impl::begin_step(double dt) {
+  whole_.reset();
   bodies_.follow();
   choose_sleepers(dt);
   Before before = begin_undoable();
@@ -185,19 +177,19 @@ void Simulator::Impl::wake_islands(double h) {
 
 /// Reactions, axes and contacts of bodies that are about to fall asleep stay as they were in the last step.
 void Simulator::Impl::note_loads_of_sleepers() {
-  std::vector<char> tired(world_.body_count(), false);
-  for (BodyId body : sleep_.candidates()) tired[body.index] = true;
-  const auto is_tired = [&](BodyId body) { return tired[bodies_.carrier(body).index]; };
+  std::vector<char> falls(world_.body_count(), false);
+  for (BodyId body : sleep_.candidates()) falls[body.index] = true;
+  const auto falls_asleep = [&](BodyId body) { return falls[bodies_.carrier(body).index]; };
   for (int j = 0; j < source_.joint_count(); ++j) {
     const JointId joint{j};
     const std::span<const BodyId> bodies = source_.joint(joint).bodies();
-    if (!source_.is_attached(joint) || std::none_of(bodies.begin(), bodies.end(), is_tired)) continue;
+    if (!source_.is_attached(joint) || std::none_of(bodies.begin(), bodies.end(), falls_asleep)) continue;
     sleeping_.note(joint, mean_reaction(joint));
     for (int k = 0; k < source_.axis_count(joint); ++k) sleeping_.note({joint, k}, axis_report({joint, k}));
   }
   sleeping_.forget_woken();
   for (const ContactReport& c : contacts())
-    if (is_tired(c.contact.A) || is_tired(c.contact.B)) sleeping_.note(c);
+    if (falls_asleep(c.contact.A) || falls_asleep(c.contact.B)) sleeping_.note(c);
 }
 
 /// The integrator at the state of the world, and true if it can be there; what it is until the end of the
@@ -320,7 +312,7 @@ Stepper::Predecessor Simulator::Impl::renew_pattern() {
   require_none(setting_conflicts(settings_, world_));
   Stepper::Predecessor old = stepper_.renew_from_known();
   note_renewed();
-  substepping_.division().forget_hard_steps();
+  substepping_.division().forget_reduced_budget();
   report_.times.analysis = stepper_.system().counters().analysis_time;
   return old;
 }

@@ -159,7 +159,6 @@ class Simulator {
 
  private:
   Checkpoint checkpoint_before(std::vector<DueEvent> due);
-  const StepReport& take_step(double dt);
   const StepReport& step_with_events(double dt);
   bool take_part(double from, double to);
   bool locate_event(double from, double to, const Checkpoint& before);

@@ -70,7 +70,7 @@ struct Stored {
 };
 
 /// What an event has changed at once is in the ledger.
-void book(StepReport& report, const Stored& before, const Stored& after) {
+void add_to_ledger(StepReport& report, const Stored& before, const Stored& after) {
   const double by_springs = after.springs - before.springs, by_potential = after.potential - before.potential;
   report.spring_energy += by_springs, report.potential_energy += by_potential;
   report.ledger.springs += by_springs, report.ledger.potential += by_potential;
@@ -111,7 +111,7 @@ bool Simulator::take_part(double from, double to) {
   impl().goal_ = to;
   bool done = false;
   try {
-    done = take_step(to - from).ok();
+    done = step(to - from).ok();
   } catch (...) {
     impl().goal_.reset();
     throw;
@@ -160,7 +160,7 @@ bool Simulator::let_happen(StepReport& whole, double instant) {
   whole.events.insert(whole.events.end(),
                       now.events_.happened().begin() + static_cast<std::ptrdiff_t>(happened),
                       now.events_.happened().end());
-  if (before) book(whole, *before, Stored(world));
+  if (before) add_to_ledger(whole, *before, Stored(world));
   if (!kept.empty()) now.since_events_ = {kept, now.versions()};
   if (refusal) {
     whole.status = Status::kContradiction;

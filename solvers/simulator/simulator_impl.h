@@ -6,7 +6,10 @@
 #include <string>
 #include <vector>
 
+#include "core/base/interruption.h"
 #include "solvers/common/setting_checks.h"
+#include "solvers/common/stopwatch.h"
+#include "solvers/complementarity/contact_stage.h"
 #include "solvers/simulator/energy_accounting.h"
 #include "solvers/simulator/event_schedule.h"
 #include "solvers/simulator/inquiry.h"
@@ -39,6 +42,14 @@ class Simulator::Impl {
     std::vector<ContactStretch> stretches;
   };
   Before begin_step(double dt);
+  /// While a step is taken: its time, who may interrupt it, who looks at its stages.
+  struct Watches {
+    explicit Watches(Impl& now)
+        : time(now.report_.times.total), interrupt(&now.hooks_.interrupt), stages(&now.hooks_.stage_watch) {}
+    Stopwatch time;
+    detail::InterruptScope interrupt;
+    detail::StageWatchScope stages;
+  };
   void fall_asleep();
   bool start_advancing();
   bool finish_advancing(double dt);
@@ -77,7 +88,7 @@ class Simulator::Impl {
   Substepping substepping_{settings_};
   StepLoads loads_;
   EventSchedule events_;
-  std::optional<double> goal_;       // time at the end of the step, to the last bit; none: as dt gives it
+  std::optional<double> goal_;       // of a part between events: the time at its end, to the last bit
   std::optional<StepReport> whole_;  // of a step with events, of all its parts
 
   /// Versions of both worlds.

@@ -25,7 +25,7 @@ void Sleep::read_bodies(const World& world) {
     const MassProperties& mass = world.mass_properties({b});
     gyration_.push_back(mass.principal_moments().maxCoeff() / mass.mass());
     quiet_.push_back(0);
-    stirs_.push_back(world.wake_count({b}));
+    wake_counts_.push_back(world.wake_count({b}));
     island_of_.push_back(-1);
   }
   forces_.resize(quiet_.size());
@@ -81,13 +81,13 @@ void Sleep::note_restless(const World& world, const Rows& rows) {
 
 void Sleep::choose_candidates(const World& world, const Rows& rows,
                               std::span<const ContactCache::Slot> slots) {
-  candidates_ = tired_bodies(world, rows, slots);
+  candidates_ = collect_sleep_candidates(world, rows, slots);
   candidate_twists_.clear();
   for (BodyId body : candidates_) candidate_twists_.push_back(world.twist(body));
 }
 
-std::vector<BodyId> Sleep::tired_bodies(const World& world, const Rows& rows,
-                                        std::span<const ContactCache::Slot> slots) {
+std::vector<BodyId> Sleep::collect_sleep_candidates(const World& world, const Rows& rows,
+                                                    std::span<const ContactCache::Slot> slots) {
   std::vector<BodyId> bodies;
   const auto may_sleep = [&](int b) { return is_quiet(b) && world.moves({b}) && is_slow(world, b); };
   int first = 0;
@@ -100,7 +100,7 @@ std::vector<BodyId> Sleep::tired_bodies(const World& world, const Rows& rows,
   return bodies;
 }
 
-/// By islands, as tired_bodies() has sorted them.
+/// By islands, as collect_sleep_candidates() has sorted them.
 void Sleep::put_to_sleep(World& world) {
   if (candidates_.empty()) return;
   std::vector<int> island_of_first(quiet_.size(), -1);
@@ -123,7 +123,7 @@ void Sleep::put_to_sleep(World& world) {
 void Sleep::wake_island(World& world, int island) {
   for (BodyId body : islands_[island]) {
     world.wake(body);
-    stirs_[body.index] = world.wake_count(body);
+    wake_counts_[body.index] = world.wake_count(body);
     island_of_[body.index] = -1;
     quiet_[body.index] = 0;
   }
@@ -157,10 +157,10 @@ void Sleep::wake_stirred(World& world) {
   for (int b = 0; b < world.body_count(); ++b) {
     if (island_of_[b] < 0 && world.is_asleep({b})) world.wake({b});  // it sleeps for another simulator
     const bool slept = island_of_[b] >= 0 && !world.is_asleep({b});
-    if (stirs_[b] == world.wake_count({b}) && !slept) continue;
+    if (wake_counts_[b] == world.wake_count({b}) && !slept) continue;
     quiet_[b] = 0;
     if (island_of_[b] >= 0) wake_island(world, island_of_[b]);
-    stirs_[b] = world.wake_count({b});
+    wake_counts_[b] = world.wake_count({b});
   }
 }
 

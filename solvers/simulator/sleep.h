@@ -54,8 +54,8 @@ class Sleep {
   bool is_quiet(int body) const { return quiet_[body] >= time_; }
   void connect(const World& world, std::span<const ContactCache::Slot> slots);
   void join(const World& world, std::span<const BodyId> bodies);
-  std::vector<BodyId> tired_bodies(const World& world, const Rows& rows,
-                                   std::span<const ContactCache::Slot> slots);
+  std::vector<BodyId> collect_sleep_candidates(const World& world, const Rows& rows,
+                                               std::span<const ContactCache::Slot> slots);
   void note_restless(const World& world, const Rows& rows);
   void wake_island(World& world, int island);
   void wake_stirred(World& world);
@@ -71,7 +71,7 @@ class Sleep {
   std::vector<Twist> candidate_twists_;
   std::vector<double> quiet_;                 // time for which a body has been slow [s]
   std::vector<double> gyration_;              // square of the largest radius of gyration [m²]
-  std::vector<int> stirs_;                    // World::wake_count() that were seen
+  std::vector<int> wake_counts_;              // World::wake_count() that were seen
   std::vector<int> island_of_;                // of bodies: the island that sleeps, −1 for none
   UnionFind connected_;                       // bodies
   std::vector<char> restless_;                // first bodies of what is connected

@@ -21,7 +21,8 @@ double StepDivision::choose(double needed) {
 }
 
 void StepDivision::note_done(Status status) {
-  hard_steps_ = status == Status::kInexact ? SubstepTuning::kHardSteps : std::max(hard_steps_ - 1, 0);
+  reduced_budget_steps_ = status == Status::kInexact ? SubstepTuning::kReducedBudgetSteps
+                                                     : std::max(reduced_budget_steps_ - 1, 0);
 }
 
 }  // namespace taut

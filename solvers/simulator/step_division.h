@@ -14,9 +14,9 @@ class StepDivision {
   /// Sub-steps of a step that needs so many.
   double choose(double needed);
   /// Laws were hard to meet lately: they are met inexactly at once.
-  bool hard() const { return hard_steps_ > 0; }
+  bool hard() const { return reduced_budget_steps_ > 0; }
   void note_done(Status status);
-  void forget_hard_steps() { hard_steps_ = 0; }
+  void forget_reduced_budget() { reduced_budget_steps_ = 0; }
 
   /// To or from bytes (checkpoint_memory.cpp); no more than `most` sub-steps are believed.
   void transfer(Archive& archive, double most);
@@ -24,7 +24,7 @@ class StepDivision {
  private:
   double substeps_ = 1, most_substeps_ = 1;  // at present, and the most asked for in the quiet time
   int quiet_ = 0;                            // steps in a row that asked for fewer
-  int hard_steps_ = 0;                       // to come
+  int reduced_budget_steps_ = 0;             // to come
 };
 
 }  // namespace taut

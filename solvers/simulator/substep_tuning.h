@@ -19,7 +19,7 @@ struct SubstepTuning {
   /// They may be met inexactly in sub-steps below this part of the step.
   static constexpr double kHardPart = 0.6;
   /// Steps after one with inexact laws in which they may be inexact in any sub-step.
-  static constexpr int kHardSteps = 10;
+  static constexpr int kReducedBudgetSteps = 10;
 };
 
 }  // namespace taut

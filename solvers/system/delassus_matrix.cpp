@@ -160,7 +160,7 @@ void DelassusMatrix::sort_products(const Rows& rows, std::span<const BodyProduct
     most_sides = std::max(most_sides, rows.sides_of(b).size());
   }
   own_weighted_.resize(most_values);
-  own_.resize(most_sides);
+  weighted_of_side_.resize(most_sides);
 }
 
 template <typename Root>
@@ -178,14 +178,14 @@ void DelassusMatrix::mass_weight(const Rows& rows, std::span<const double> jacob
   }
 }
 
-/// All products of a body, with the W of its sides at own_.
+/// All products of a body, with the W of its sides at weighted_of_side_.
 void DelassusMatrix::add_products(const Rows& rows, int body) {
   const std::span<const int> sides = rows.sides_of(body);
   for (int k = first_product_[body]; k < first_product_[body + 1]; ++k) {
     const Product& p = products_[k];
-    kernels_.multiply_sides(own_[p.i], rows.sides()[sides[p.i]].row_count, own_[p.j],
-                            rows.sides()[sides[p.j]].row_count, matrix_.values.data() + p.slot, p.stride,
-                            p.first);
+    kernels_.multiply_sides(weighted_of_side_[p.i], rows.sides()[sides[p.i]].row_count,
+                            weighted_of_side_[p.j], rows.sides()[sides[p.j]].row_count,
+                            matrix_.values.data() + p.slot, p.stride, p.first);
   }
 }
 
@@ -198,7 +198,7 @@ void DelassusMatrix::assemble_bodies(const Rows& rows, int begin, int end, Weigh
     for (std::size_t k = 0; k < rows.sides_of(b).size(); ++k) {
       const Rows::Side& side = rows.sides()[rows.sides_of(b)[k]];
       weigh(side, W);
-      own_[k] = W;
+      weighted_of_side_[k] = W;
       W += 6 * side_height(side.row_count);
     }
     add_products(rows, b);

@@ -84,10 +84,10 @@ class DelassusMatrix {
 
   const FrontKernels& kernels_ = front_kernels();
   SymmetricMatrix matrix_;
-  std::vector<Product> products_;     // body by body
-  std::vector<int> first_product_;    // of each body
-  std::vector<double> own_weighted_;  // W of one body, by columns
-  std::vector<const double*> own_;    // where it is, by side
+  std::vector<Product> products_;                // body by body
+  std::vector<int> first_product_;               // of each body
+  std::vector<double> own_weighted_;             // W of one body, by columns
+  std::vector<const double*> weighted_of_side_;  // where it is, by side
   std::vector<int> position_of_row_, diagonal_;
 };
 

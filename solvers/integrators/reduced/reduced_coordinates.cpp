@@ -234,7 +234,7 @@ void ReducedCoordinates::add_axis_forces(const State& state) {
 }
 
 /// What acts at a stage, which stands for this time [s].
-void ReducedCoordinates::book(const State& stage, double time, SubstepReport& report) {
+void ReducedCoordinates::accumulate_work(const State& stage, double time, SubstepReport& report) {
   for (std::size_t r = 0; r < lambda_.size(); ++r) impulses_[r] += time * lambda_[r];
   flow_.add(time);
   if (!settings_.report_energy) return;
@@ -277,7 +277,7 @@ bool ReducedCoordinates::runge_kutta(double h, SubstepReport& report) {
   runge_kutta_.advance(system_.mass(), next_, h,
                        [&](const State& stage, double weight, std::span<Twist> accelerations) {
                          accelerate(stage, report, accelerations);
-                         book(stage, weight * h, report);
+                         accumulate_work(stage, weight * h, report);
                        });
   next_.time += h;
   return close(next_, report);
@@ -296,7 +296,7 @@ bool ReducedCoordinates::shift(const State& from, std::span<const Twist> acceler
 /// Ψ_{h/2} of the state in the middle, of which Ψ_{−h/2} is the start: symmetric, whatever Ψ is.
 bool ReducedCoordinates::midpoint(double h, SubstepReport& report) {
   if (!solve_midpoint(h, report)) return false;
-  book(middle_, h, report);
+  accumulate_work(middle_, h, report);
   const bool closed = shift(middle_, acceleration_, 0.5 * h, next_, report);
   next_.time = state_.time + h;
   return closed;

@@ -59,7 +59,7 @@ class ReducedCoordinates final : public Scheme {
   void accelerate(const State& state, SubstepReport& report, std::span<Twist> accelerations);
   void find_forces(const State& state, SubstepReport& report, std::span<Twist> accelerations);
   void add_axis_forces(const State& state);
-  void book(const State& stage, double time, SubstepReport& report);
+  void accumulate_work(const State& stage, double time, SubstepReport& report);
   bool is_finite(const State& state);
   bool has_finite_forces() const;
   double tension_of(const State& state);
