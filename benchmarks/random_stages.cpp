@@ -63,18 +63,18 @@ int quantile(std::vector<int> values, double part) {
 Json json_of(const std::string& name, const Tally& tally) {
   Json rungs;
   for (std::size_t i = 0; i < tally.rungs.size(); ++i) rungs[kFrictionRungNames[i]] = tally.rungs[i];
-  Json quantiles;
+  Json factorisations;
   for (const auto& [label, part] :
        {std::pair{"50", 0.5}, {"75", 0.75}, {"90", 0.9}, {"99", 0.99}, {"100", 1.0}})
-    quantiles[label] = quantile(tally.factorisations, part);
-  quantiles["sum"] = std::accumulate(tally.factorisations.begin(), tally.factorisations.end(), 0);
+    factorisations[label] = quantile(tally.factorisations, part);
+  factorisations["sum"] = std::accumulate(tally.factorisations.begin(), tally.factorisations.end(), 0);
   return {{"family", name},
           {"stages", tally.contacts.size()},
           {"contacts", {{"median", quantile(tally.contacts, 0.5)}, {"most", quantile(tally.contacts, 1)}}},
           {"solved", tally.of(FrictionStatus::kSolved)},
           {"no_solution", tally.of(FrictionStatus::kNoSolution)},
           {"inexact", tally.of(FrictionStatus::kInexact)},
-          {"factorisations", quantiles},
+          {"factorisations", factorisations},
           {"below_60", tally.share_below(60)},
           {"rungs", rungs},
           {"sweeps", tally.sweeps},

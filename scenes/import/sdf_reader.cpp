@@ -111,7 +111,7 @@ class SdfModelReader {
     const int index = static_cast<int>(model_.links.size());
     for (const pugi::xml_node& sensor : files_.children(node, "sensor"))
       read_sdf_sensor(files_, sensor, {index, {}}, false, model_);
-    if (!index_.try_emplace(link.name, static_cast<int>(model_.links.size())).second)
+    if (!index_.try_emplace(link.name, index).second)
       files_.fail(node, "there is another link of this name (value: " + link.name + ")");
     model_.links.push_back(std::move(link));
   }

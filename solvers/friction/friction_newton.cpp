@@ -149,17 +149,13 @@ Vector FrictionNewton::solve(const ScaledFriction& problem, Vector r, BestImpuls
     const Vector g = linear.residual(r, argument(r));
     Vector delta;
     ++best.factorisations;
-    if (!linear.step(g, gamma, shift, delta)) {
-      shift = std::max(Tuning::kRhoAfterNone * shift, Tuning::kLeastRho);
-      ++idle;
-      continue;
-    }
+    const bool regular = linear.step(g, gamma, shift, delta);
     const double bound =
         *std::max_element(sizes.end() - std::min<std::ptrdiff_t>(memory, std::ssize(sizes)), sizes.end());
     double part = 1, size = 0;
     Vector next;
     bool taken = false;
-    for (int k = 0; k < Tuning::kHalvings && !taken; ++k, part /= taken ? 1 : 2) {
+    for (int k = 0; regular && k < Tuning::kHalvings && !taken; ++k, part /= taken ? 1 : 2) {
       next = r + part * delta;
       size = linear.residual(next, argument(next)).norm();
       taken = size <= (1 - Tuning::kDecrease * part) * bound || size <= round_off;
