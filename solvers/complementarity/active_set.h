@@ -23,8 +23,8 @@ enum class ActiveSetStatus {
 };
 std::string_view to_string(ActiveSetStatus status);
 
-/// Constants of the active set and its descent: parts and counts.  Half and twice of each:
-/// benchmarks/results/tuning.md.
+/// Constants of the active set and its descent: parts and counts.  Chosen, where nothing else is said.  Half
+/// and twice of each: benchmarks/results/tuning.md.
 struct ActiveSetTuning {
   /// Block rounds without fewer wrong rows before one row at a time is moved [JudicePires1994].
   static constexpr int kBlockTrials = 10;

@@ -3,8 +3,8 @@
 namespace taut {
 
 /// Constants of the methods for stages with contacts beside those of ContactNewtonTuning.  Without a unit:
-/// parts of the largest impulse, and counts.  What half and twice of each change is in
-/// benchmarks/results/tuning.md, and here where it is more than twice the work of a scene.
+/// parts of the largest impulse, and counts.  Chosen, where nothing else is said.  What half and twice of
+/// each change is in benchmarks/results/tuning.md, and here where it is more than twice the work of a scene.
 /// (solvers/complementarity, "Ladder", "Islands")
 struct ContactSolverTuning {
   /// The last impulses, if they do not meet their laws, are mended where they are off by no more than this

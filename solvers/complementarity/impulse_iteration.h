@@ -10,7 +10,7 @@
 
 namespace taut {
 
-/// Constants of ImpulseIteration.
+/// Constants of ImpulseIteration.  Chosen, where nothing else is said.
 struct ImpulseIterationTuning {
   /// Sweeps over a level before it is taken as immovable.
   static constexpr int kLevelSweeps = 10;

@@ -9,7 +9,7 @@
 
 namespace taut {
 
-/// Constants of InteriorPoint: parts.
+/// Constants of InteriorPoint: parts.  Chosen, where nothing else is said.
 struct InteriorPointTuning {
   /// Compliance of equalities over S_rr: it acts on the change of an iteration only.
   static constexpr double kEqualityRho = 1e-7;

@@ -11,7 +11,7 @@ namespace taut {
 
 class Archive;
 
-/// Constants of PrimalDualActiveSet: parts and counts.
+/// Constants of PrimalDualActiveSet: parts and counts.  Chosen, where nothing else is said.
 struct PrimalDualTuning {
   /// Iterations go on until they take away less than half of what is left; so many in a row that do not are
   /// given up.  kProgress: twice takes up to 4 times the factorisations of walls and stacks;

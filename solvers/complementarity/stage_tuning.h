@@ -3,9 +3,9 @@
 namespace taut {
 
 /// Constants of the ladder that stages go down, and of what counts as solved.  Without a unit: parts and
-/// counts.  What half and twice of each change is in benchmarks/results/tuning.md, and here where it breaks
-/// something or is more than twice the work of a scene.  (solvers/complementarity, "Ladder", "Natural
-/// residual")
+/// counts.  Chosen, where nothing else is said.  What half and twice of each change is in
+/// benchmarks/results/tuning.md, and here where it breaks something or is more than twice the work of a
+/// scene.  (solvers/complementarity, "Ladder", "Natural residual")
 struct StageTuning {
   /// Solves more where contacts met their laws within a tolerance of rates only.  One
   /// less: bodies that come to rest after an impact are solved inexactly.

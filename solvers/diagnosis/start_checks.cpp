@@ -15,6 +15,7 @@
 namespace taut {
 namespace {
 
+/// Chosen, where nothing else is said.
 struct StartChecksTuning {
   /// Rates below are left to a step, too [m/s or rad/s].
   static constexpr double kRateTolerance = 1e-9;

@@ -10,7 +10,8 @@
 namespace taut {
 namespace {
 
-/// Without a unit: parts and counts.  (solvers/diagnosis, "Contradiction")
+/// Without a unit: parts and counts.  Chosen, where nothing else is said.  (solvers/diagnosis,
+/// "Contradiction")
 struct SearchTuning {
   /// Demands are met within this [m or rad]: a hundred times what a step closes them to.
   static constexpr double kClosed = 1e-8;

@@ -11,7 +11,7 @@ namespace {
 
 using Vector = Eigen::VectorXd;
 
-/// Without a unit: parts and counts.  (solvers/friction, "Rungs")
+/// Without a unit: parts and counts.  Chosen, where nothing else is said.  (solvers/friction, "Rungs")
 struct FrictionInteriorPointTuning {
   /// Steps at most, a factorisation each.  Half: 2.9 times the factorisations of spheres in a box.
   static constexpr int kInteriorSteps = 40;

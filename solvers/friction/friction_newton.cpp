@@ -12,7 +12,8 @@ namespace {
 
 using Vector = Eigen::VectorXd;
 
-/// Factors, parts and counts; ρ in units of the mean diagonal of a block.
+/// Factors, parts and counts; ρ in units of the mean diagonal of a block.  Chosen, where nothing else is
+/// said.
 struct FrictionNewtonTuning {
   /// Bounds of ρ: below the first it does nothing but for round-off, above the second steps are too short to
   /// be of use.

@@ -12,7 +12,7 @@ namespace {
 using Vector = Eigen::VectorXd;
 
 /// Without a unit: parts and counts; distances are those of Path::distance(), 1 at the boundary of the cones.
-/// (solvers/friction, "Path of last resort")
+/// Chosen, where nothing else is said.  (solvers/friction, "Path of last resort")
 struct FrictionPathTuning {
   /// Steps at most, a factorisation each: two of two random stages that 400 leave end within 1,800.
   static constexpr int kMostPathSteps = 4000;

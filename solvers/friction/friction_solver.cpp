@@ -15,7 +15,7 @@ namespace {
 
 using Vector = Eigen::VectorXd;
 
-/// Counts of sweeps and of rounds of sweeps with a Newton, and parts.
+/// Counts of sweeps and of rounds of sweeps with a Newton, and parts.  Chosen, where nothing else is said.
 struct FrictionLadderTuning {
   /// Sweeps between looks at where they are; half takes up to twice as many.
   static constexpr int kBetweenLooks = 10;

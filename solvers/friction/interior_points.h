@@ -7,7 +7,7 @@
 
 namespace taut {
 
-/// Parts.
+/// Parts.  Chosen, where nothing else is said.
 struct InteriorPointsTuning {
   /// Part of the way to the boundary of the cones that a step goes.  Chosen.  Half and twice: 3.7 and 2.4
   /// times the factorisations of spheres in a box.

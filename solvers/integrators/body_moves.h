@@ -10,6 +10,7 @@
 // bodies without joints.
 namespace taut {
 
+/// Chosen, where nothing else is said.
 struct BodyMovesTuning {
   /// Longest rotation of a body in one step of Newton's method from poses that may be far from closed [rad];
   /// a step beyond that means nothing, since rows are linear in small rotations.

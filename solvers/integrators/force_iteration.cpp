@@ -5,6 +5,7 @@
 namespace taut {
 namespace {
 
+/// Chosen, where nothing else is said.
 struct ForceIterationTuning {
   /// Forces are settled that change by no more than this part of the largest, a little above round-off.
   static constexpr double kTolerance = 1e-12;

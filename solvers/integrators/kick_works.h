@@ -9,6 +9,7 @@
 
 namespace taut {
 
+/// Chosen, where nothing else is said.
 struct KickWorksTuning {
   /// Part of the kinetic energy by which projections onto joints and impacts may seem to add to it: what the
   /// tolerance of rates leaves.

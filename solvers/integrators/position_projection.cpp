@@ -13,7 +13,8 @@
 namespace taut {
 namespace {
 
-/// Without a unit: parts and counts.  (solvers/integrators, "Weak directions")
+/// Without a unit: parts and counts.  Chosen, where nothing else is said.  (solvers/integrators, "Weak
+/// directions")
 struct PositionProjectionTuning {
   /// ε of S_ε, of the factor that sees directions which masses make weak: between the round-off of S and the
   /// 1e-8 of the factor for stepping, which does not.

@@ -12,7 +12,7 @@
 namespace taut {
 namespace {
 
-/// Without a unit: parts and counts.  (solvers/integrators, "RATTLE")
+/// Without a unit: parts and counts.  Chosen, where nothing else is said.  (solvers/integrators, "RATTLE")
 struct VelocityProjectionTuning {
   /// Passes with S_ε⁻¹ at most.
   static constexpr int kMaxVelocityPasses = 6;

@@ -8,7 +8,7 @@
 namespace taut {
 namespace {
 
-/// Without a unit: parts and counts.  (solvers/laws, "Breaking")
+/// Without a unit: parts and counts.  Chosen, where nothing else is said.  (solvers/laws, "Breaking")
 struct BreakingTuning {
   /// Overloads that differ by less than this part break together, so that symmetric structures stay so: above
   /// what round-off and tolerances leave of their symmetry.

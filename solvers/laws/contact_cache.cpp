@@ -12,7 +12,7 @@
 namespace taut {
 namespace {
 
-/// (solvers/laws, "Contacts")
+/// Chosen, where nothing else is said.  (solvers/laws, "Contacts")
 struct ContactCacheTuning {
   /// A contact is where one was before if in either body it is no further from it than this [m].
   static constexpr double kSamePoint = 1e-4;

@@ -9,7 +9,7 @@
 namespace taut {
 namespace {
 
-/// (solvers/laws, "Contacts")
+/// Chosen, where nothing else is said.  (solvers/laws, "Contacts")
 struct DriftTuning {
   /// Steps of Newton's method for the normal, at most; of corners, edges and faces it takes two.
   static constexpr int kNormalSteps = 4;

@@ -6,6 +6,7 @@
 namespace taut {
 namespace {
 
+/// Chosen, where nothing else is said.
 struct FrictionLinearizationTuning {
   /// A contact that sticks has not slipped by less than this, relative to all impulses: what may be left of
   /// the laws where they are met.

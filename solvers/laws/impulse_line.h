@@ -4,6 +4,7 @@
 
 namespace taut {
 
+/// Chosen, where nothing else is said.
 struct TangentTuning {
   /// Impulses of curves, which are taken by their tangents, are right to this part of themselves: better than
   /// laws are met, by two digits.

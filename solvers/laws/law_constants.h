@@ -5,6 +5,7 @@
 // What all laws share.
 namespace taut {
 
+/// Chosen, where nothing else is said.
 struct LawTuning {
   /// A limit or contact is touched within this distance [m or rad]; positions are closed to less.
   static constexpr double kTouch = 1e-9;

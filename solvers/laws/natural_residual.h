@@ -81,6 +81,7 @@ class LargestResidual {
   bool numbers_ = true;
 };
 
+/// Chosen, where nothing else is said.
 struct ResidualTuning {
   /// Laws are met if no residual is larger than this part of the scale of all.
   static constexpr double kMet = 1e-9;

@@ -15,6 +15,7 @@
 namespace taut {
 namespace {
 
+/// Chosen, where nothing else is said.
 struct OrderingTuning {
   /// Modelled time of a factorisation per block [ns] from which on a nested dissection is tried, measured: it
   /// takes 2 to 6 µs per block, as long as 3 to 6 factorisations. Half: nets of 20 × 20 are dissected, and

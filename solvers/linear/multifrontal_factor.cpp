@@ -8,6 +8,7 @@
 namespace taut {
 namespace {
 
+/// Chosen, where nothing else is said.
 struct MultifrontalTuning {
   /// Fronts with fewer rows are done within some milliseconds, and ask nobody whether to give up.
   static constexpr int kLongFront = 512;

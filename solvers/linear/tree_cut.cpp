@@ -8,6 +8,7 @@
 namespace taut {
 namespace {
 
+/// Chosen, where nothing else is said.
 struct TreeCutTuning {
   /// Part of the time alone that a cut must come down to. Chosen.
   static constexpr double kWorthwhile = 0.8;

@@ -7,6 +7,7 @@
 namespace taut {
 namespace {
 
+/// Chosen, where nothing else is said.
 struct InquiryTuning {
   /// Joints that leave less [m or rad] do not contradict each other for good: their rows are dependent to
   /// first order where they are, and what is left would need moves of its square root.  Those are then 1 mm.

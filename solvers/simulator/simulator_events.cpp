@@ -12,6 +12,7 @@
 namespace taut {
 namespace {
 
+/// Chosen, where nothing else is said.
 struct EventTuning {
   /// Instants closer than this part of a step are one: an event's end of a step is moved by so much, as is
   /// the end of a run (run_until()), and so late is an event at most that was located.  Chosen.

@@ -9,6 +9,7 @@
 namespace taut {
 namespace {
 
+/// Chosen, where nothing else is said.
 struct RunTuning {
   /// A last step shorter than this part of the others is added to the one before: what round-off makes of an
   /// interval that is a multiple of h is below, 1e-16 per step for up to 1e9 steps, and a step so much longer

@@ -11,6 +11,7 @@
 namespace taut {
 namespace {
 
+/// Chosen, where nothing else is said.
 struct StallTuning {
   /// Steps ahead at which a contradiction is looked for if there is none at the end of this one: where rates
   /// grow without bounds the step fails shortly before.

@@ -2,8 +2,8 @@
 
 namespace taut {
 
-/// Constants by which steps are divided.  What half and twice of each change is in
-/// benchmarks/results/tuning.md.  (solvers/simulator, "Sub-steps")
+/// Constants by which steps are divided.  Chosen, where nothing else is said.  What half and twice of each
+/// change is in benchmarks/results/tuning.md.  (solvers/simulator, "Sub-steps")
 struct SubstepTuning {
   /// A sub-step that failed is followed by one this part as long; each success lets the next be so many times
   /// longer.  kShrink: twice, which does not shorten, fails; kGrow: half takes 2.1 times the position solves

@@ -3,6 +3,7 @@
 namespace taut {
 namespace {
 
+/// Chosen, where nothing else is said.
 struct PrimalChoiceTuning {
   /// Contact rows from which on the bodies may be the smaller system.  Half: 3.6 times the factorisations of
   /// a top-heavy stack, and up to 200 times the Newton steps of shapes at rest.

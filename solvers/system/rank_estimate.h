@@ -12,6 +12,7 @@ struct RankTolerance {
   double shift;      ///< ε of S_ε: dependent rows leave a pivot of about this size
   double dependent;  ///< pivots below this count as dependent
 };
+/// Chosen, where nothing else is said.
 struct RankTuning {
   /// For stepping: directions that are softer than 1e-8 of a row's own are left alone.  Multipliers along
   /// them would be huge forces that mend gaps far below the tolerance, as in a flat grid of joints that has

@@ -5,6 +5,7 @@
 namespace taut {
 namespace {
 
+/// Chosen, where nothing else is said.
 struct TrianglesTuning {
   /// Rows of a joint whose share beyond the others is below this part of the largest depend on them.  Without
   /// a unit.

@@ -13,7 +13,7 @@ namespace taut {
 
 namespace {
 
-/// Parts of the sizes of a step, and counts.
+/// Parts of the sizes of a step, and counts.  Chosen, where nothing else is said.
 struct MidpointTuning {
   /// The equation is solved when this is left, or, where round-off is more, when passes gain nothing any more
   /// and no more than the second is left.
@@ -28,7 +28,7 @@ struct MidpointTuning {
   static constexpr double kLeast = 1e-3;
 };
 
-/// Of Runge–Kutta.
+/// Of Runge–Kutta.  Chosen, where nothing else is said.
 struct TrialTuning {
   /// A step in which ω h grows beyond this times max_tension_number is taken again, with an ω that is larger
   /// by no more than the second, since that of an unstable step means nothing.  It is stable up to 2.8.

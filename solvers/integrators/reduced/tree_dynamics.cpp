@@ -13,6 +13,7 @@
 namespace taut {
 namespace {
 
+/// Chosen, where nothing else is said.
 struct TreeTuning {
   /// Newton steps of a joint at most; near the tolerance each squares the gap.
   static constexpr int kMaxClosings = 20;

@@ -6,6 +6,7 @@
 namespace taut {
 namespace {
 
+/// Chosen, where nothing else is said.
 struct AxisLoadsTuning {
   /// Bounds of friction that grow with the load are right to this part of themselves, which is less than laws
   /// are met to.

@@ -8,6 +8,7 @@
 namespace taut {
 namespace {
 
+/// Chosen, where nothing else is said.
 struct AxisServoTuning {
   /// Impulses are right to this part of themselves, as those of tangents.
   static constexpr double kTolerance = 1e-11;

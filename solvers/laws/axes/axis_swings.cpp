@@ -9,7 +9,7 @@
 namespace taut {
 namespace {
 
-/// (solvers/laws, "Axes")
+/// Chosen, where nothing else is said.  (solvers/laws, "Axes")
 struct SwingTuning {
   /// Swings below have no direction [rad].
   static constexpr double kStraight = 1e-6;
