@@ -19,9 +19,9 @@ struct ContactNewtonTuning {
   /// Newton's equation is met to this part of the residual of the round before (or of itself, if that is
   /// more), and never better than to the second, of the scale: round-off.
   static constexpr double kForcing = 0.01, kLeastGradient = 1e-13;
-  /// Gradients below this part of the scale may be round-off, and are if so many steps do not halve them.
-  /// kStuck: half takes 2.5 times the Newton steps of shapes on a mesh.
-  static constexpr double kDescentRoundOff = 1e-8;
+  /// Gradients below this part of the scale may be round-off, and are if so many steps leave more than the
+  /// third of them.  kStuck: half takes 2.5 times the Newton steps of shapes on a mesh.
+  static constexpr double kDescentRoundOff = 1e-8, kStuckPart = 0.5;
   static constexpr int kStuck = 2;
   /// Newton steps of a round, and how far its gradient may grow.  Measured: 40 steps take
   /// up to twice as many in all.

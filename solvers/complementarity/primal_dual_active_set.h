@@ -22,14 +22,18 @@ struct PrimalDualTuning {
   static constexpr double kServes = 0.3, kNearby = 1e-6;
   /// Better than this part of the impulses is round-off.
   static constexpr double kExact = 1e-14;
+  /// Iterations, at most.
+  static constexpr int kMostIterations = 8;
+  /// Σ of rows on a vertical over S_rr: it acts on the change of an iteration only.
+  static constexpr double kSoftness = 1e-6;
 };
 
 /// When it ends.
 struct PrimalDualLimits {
   double tolerance = ResidualTuning::kMet;  ///< of the natural residual over the size of impulses
   double rate_tolerance = 0;                ///< errors of rates below this do not count [m/s or rad/s]
-  int iterations = 8;
-  double softness = 1e-6;  ///< Σ over S_rr
+  int iterations = PrimalDualTuning::kMostIterations;
+  double softness = PrimalDualTuning::kSoftness;  ///< Σ over S_rr
 };
 
 /// How it went.

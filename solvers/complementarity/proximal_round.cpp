@@ -7,7 +7,7 @@ namespace taut {
 
 void ProximalRound::History::add(double size, double scale) {
   const bool at_round_off = least <= Tuning::kDescentRoundOff * scale;
-  stuck = size > 0.5 * least && at_round_off ? stuck + 1 : 0;
+  stuck = size > Tuning::kStuckPart * least && at_round_off ? stuck + 1 : 0;
   least = std::min(least, size);
   if (looks++ == 0) first = size;
 }

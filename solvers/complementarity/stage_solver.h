@@ -36,6 +36,7 @@ class Archive;
 class StageSolver {
  public:
   static constexpr int kExactSolves = StageTuning::kExactSolves;
+  static constexpr double kRatePart = StageTuning::kRatePart;
   using Stage = taut::Stage;
   using Renew = Stage::Renew;
 

@@ -10,8 +10,8 @@ struct StageTuning {
   /// Solves more where contacts met their laws within a tolerance of rates only.  One
   /// less: bodies that come to rest after an impact are solved inexactly.
   static constexpr int kExactSolves = 2;
-  /// Part of the tolerance of velocities up to which rates of a stage count as right.  Twice: 3 times the
-  /// factorisations of a card house.
+  /// Part of the tolerances of positions, over h, and of velocities up to which rates of a stage count as
+  /// right.  Twice: 3 times the factorisations of a card house.
   static constexpr double kRatePart = 0.1;
 
   // What is met, beside the natural residual.

@@ -49,7 +49,8 @@ struct Rattle::PositionError {
   bool closed = false;
 
   bool is_hopeless(int iteration, const Settings& settings) const {
-    return iteration > 0 && (!std::isfinite(error) || iteration >= settings.max_newton_iterations + 4);
+    return iteration > 0 &&
+           (!std::isfinite(error) || iteration >= settings.max_newton_iterations + RattleTuning::kMoreSolves);
   }
 };
 
@@ -79,7 +80,8 @@ bool Rattle::close_bounded_positions(double h, std::span<double> lambda, std::sp
     if (!at.closed) contacts_.hold_again();
     const Stopwatch watch(report.times.positions);
     const StageSolver::Stage stage{lambda, values_.rates, renew, iteration > 0};
-    const double tolerance = at.closed ? stages_.exact_tolerance() : 0.1 * settings_.position_tolerance / h;
+    const double tolerance =
+        at.closed ? stages_.exact_tolerance() : StageSolver::kRatePart * settings_.position_tolerance / h;
     end = stages_.solve(stage, tolerance, report);
     if (end == StageEnd::kFailed) return give_up(lambda, stages_.rates());
     ++report.newton_iterations;
@@ -162,9 +164,10 @@ bool Rattle::project_bounded_momenta(double h, bool exact, std::span<double> mu,
     if (again) renew_laws();
     // Sweeps: bodies that are held fast do not take in all of the impulses.
     std::fill(absorbed_.begin(), absorbed_.end(), Wrench{});
-    if (!(stages_.iterative() ? stages_.iterate(stage, settings_.iterations,
-                                                0.1 * settings_.velocity_tolerance, absorbed_, report)
-                              : stages_.solve_velocities(stage, report)))
+    if (!(stages_.iterative()
+              ? stages_.iterate(stage, settings_.iterations,
+                                StageSolver::kRatePart * settings_.velocity_tolerance, absorbed_, report)
+              : stages_.solve_velocities(stage, report)))
       return false;
     phase_.second_kick(h);
     phase_.add_impulses(mu);

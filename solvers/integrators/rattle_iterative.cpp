@@ -21,7 +21,7 @@ bool Rattle::stabilize_positions(double h, std::span<double> lambda, std::span<P
     try_positions(h, lambda, q1, false);
     if (!std::isfinite(max_abs(values_.phi)) || !axes_.finite()) return false;
     if (left <= 0) break;
-    const double tolerance = 0.1 * settings_.position_tolerance / h;
+    const double tolerance = StageSolver::kRatePart * settings_.position_tolerance / h;
     const StageSolver::Stage stage{lambda, values_.rates, renew};
     if (!stages_.iterate(stage, std::min(left, RattleTuning::kSweepsPerPass), tolerance, absorbed_, report))
       return false;

@@ -30,6 +30,8 @@ struct RattleTuning {
   // Limits, friction and contacts.
   /// Part of the position tolerance that many axes with friction leave alone.
   static constexpr double kSlack = 0.25;
+  /// Solves beyond max_newton_iterations, in which laws come to their segments.
+  static constexpr int kMoreSolves = 4;
   /// After so many solves, gaps that surfaces open as they turn are closed if they are to so many times the
   /// tolerance: many contacts that wedge a body share their load anew in each solve, by what laws are met to.
   static constexpr int kManySolves = 3;

@@ -9,6 +9,8 @@ struct TangentTuning {
   /// Impulses of curves, which are taken by their tangents, are right to this part of themselves: better than
   /// laws are met, by two digits.
   static constexpr double kTolerance = 1e-11;
+  /// Or to what changes the rate by this part of the tolerance of rates.
+  static constexpr double kRatePart = 0.1;
 };
 
 /// Impulse of a kick over the rate, λ = level − slope w.

@@ -127,7 +127,7 @@ void ConstraintSystem::factorize_for_counting(StageTimes& times) {
   factored_.shifted = true;
   factorize_once(times);
   rank_.begin_count(delassus_->relative_pivots());
-  rank_.set_shift(shift / 16);
+  rank_.set_shift(RankTuning::kSecondShift * shift);
   factorize_once(times);
   rank_.set_shift(shift);
   if (usable()) rank_.end_count(delassus_->relative_pivots(), delassus_->row_at_position());

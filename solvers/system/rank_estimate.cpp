@@ -51,7 +51,7 @@ void RankEstimate::begin_count(std::span<const double> pivots) {
 void RankEstimate::end_count(std::span<const double> pivots, std::span<const int> row_at) {
   dependent_rows_.clear();
   for (std::size_t i = 0; i < pivots.size(); ++i)
-    if (pivots[i] < 0.5 * large_pivots_[i]) dependent_rows_.push_back(row_at[i]);
+    if (pivots[i] < RankTuning::kStays * large_pivots_[i]) dependent_rows_.push_back(row_at[i]);
 }
 
 bool RankEstimate::small_pivots_changed() {

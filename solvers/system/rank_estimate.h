@@ -20,6 +20,9 @@ struct RankTuning {
   static constexpr RankTolerance kStepping{1e-8, 1e-6};
   /// For counting freedoms in one pose, where no impulses follow: as small as the round-off of pivots allows.
   static constexpr RankTolerance kCounting{1e-11, 1e-8};
+  /// The shift of the second factorisation over that of the first, and what is left of a pivot at least that
+  /// does not follow the shift: between that and 1.  Chosen.
+  static constexpr double kSecondShift = 1.0 / 16, kStays = 0.5;
   /// Full-rank factorisations after which the shift is dropped again.  Chosen.
   static constexpr int kStreak = 100;
 };

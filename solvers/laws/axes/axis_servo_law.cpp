@@ -101,8 +101,8 @@ bool AxisServoLaw::move(const AxisProperties& p, const AxisStep&, const AxisStar
   if (!p.motor || !p.motor->has_gains()) return false;
   const double there = held(w), given = at_present().at(w);
   const double size = std::max(std::abs(there), std::abs(given));
-  if (std::abs(there - given) <=
-      std::max(AxisServoTuning::kTolerance * size, 0.1 * rate_tolerance * start.effective_mass))
+  if (std::abs(there - given) <= std::max(AxisServoTuning::kTolerance * size,
+                                          TangentTuning::kRatePart * rate_tolerance * start.effective_mass))
     return false;
   tangent.move(w, rate_tolerance);
   return true;

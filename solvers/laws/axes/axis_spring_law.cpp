@@ -194,7 +194,8 @@ bool AxisSpringLaw::are_tangents_right(const AxisProperties& p, const AxisStep& 
 /// goes.
 bool AxisSpringLaw::move(const AxisProperties& p, const AxisStep& step, const AxisStart& start, double w,
                          double rate_tolerance) {
-  if (!is_curved(p) || are_tangents_right(p, step, start, w, 0.1 * rate_tolerance * start.effective_mass))
+  if (!is_curved(p) ||
+      are_tangents_right(p, step, start, w, TangentTuning::kRatePart * rate_tolerance * start.effective_mass))
     return false;
   tangents.move(w, rate_tolerance);
   return true;
