@@ -274,6 +274,7 @@ std::vector<double> run_all(RunRecord& record, Simulator& simulator, GapMeter& m
     if (simulator.report().rank) record.note_rank(*simulator.report().rank, simulator.world());
     last = recorder.sample(simulator);
     record.reactions = reactions_fingerprint(simulator);
+    record.axis_forces = axis_forces_fingerprint(simulator);
   } catch (const std::exception& error) {
     if (record.status == "success") record.status = "error", record.message = error.what();
   }

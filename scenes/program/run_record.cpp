@@ -192,4 +192,14 @@ std::uint64_t reactions_fingerprint(const Simulator& simulator) {
   return hash.value();
 }
 
+std::uint64_t axis_forces_fingerprint(const Simulator& simulator) {
+  Fnv1a hash;
+  for (int j = 0; j < simulator.world().joint_count(); ++j)
+    for (int k = 0; k < simulator.world().axis_count(JointId{j}); ++k) {
+      const AxisImpulse force = simulator.axis_report({JointId{j}, k}).force;
+      for (const AxisPart& part : kAxisParts) hash.add(force.*part.part);
+    }
+  return hash.value();
+}
+
 }  // namespace taut

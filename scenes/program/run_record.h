@@ -50,7 +50,8 @@ struct RunRecord {
   int max_unsupported_pairs = 0;  ///< of shapes near each other that pass through each other, of one step
   std::set<std::pair<ShapeId, ShapeId>> named_pairs;  ///< those that warnings name
 
-  std::uint64_t reactions = 0;  ///< reactions_fingerprint() at the end
+  std::uint64_t reactions = 0;    ///< reactions_fingerprint() at the end
+  std::uint64_t axis_forces = 0;  ///< axis_forces_fingerprint() at the end
 
   double initial_energy = 0, final_energy = 0, energy_scale = 0;  ///< [J]
   bool has_scale = true;          ///< else the scale is the largest kinetic energy so far
@@ -140,5 +141,7 @@ struct RunRecord {
 std::uint64_t fingerprint(const State& state);
 /// Likewise of the mean reactions of all joints and the forces of all contacts over the last step.
 std::uint64_t reactions_fingerprint(const Simulator& simulator);
+/// … and of the mean forces along all axes, part by part.
+std::uint64_t axis_forces_fingerprint(const Simulator& simulator);
 
 }  // namespace taut

@@ -193,6 +193,7 @@ OrderedJson run_report(const RunRecord& r, const Recorder& recorder, const std::
   };
   report["final_state_fingerprint"] = hexadecimal(fingerprint(final_state));
   report["reactions_fingerprint"] = hexadecimal(r.reactions);
+  report["axis_forces_fingerprint"] = hexadecimal(r.axis_forces);
   return report;
 }
 

@@ -40,8 +40,8 @@ class Golden : public ::testing::TestWithParam<std::pair<const std::string, std:
 
 TEST_P(Golden, HasTheBitsOfBefore) {
   const std::string& name = GetParam().first;
-  std::string state, reactions, counts, processor;
-  std::istringstream(GetParam().second) >> state >> reactions >> counts >> processor;
+  std::string state, reactions, axes, counts, processor;
+  std::istringstream(GetParam().second) >> state >> reactions >> axes >> counts >> processor;
 #if defined(__x86_64__)
   const bool has_fma = __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma");
 #else
@@ -59,6 +59,7 @@ TEST_P(Golden, HasTheBitsOfBefore) {
   const nlohmann::json run = nlohmann::json::parse(std::ifstream(report));
   EXPECT_EQ(run["final_state_fingerprint"].get<std::string>(), state);
   EXPECT_EQ(run["reactions_fingerprint"].get<std::string>(), reactions);
+  EXPECT_EQ(run["axis_forces_fingerprint"].get<std::string>(), axes);
   EXPECT_EQ(counters(run), counts);
 }
 
