@@ -22,31 +22,25 @@ struct FrictionNewton {
 /// Constants of the Newton methods of the rungs: γ and ρ as in FrictionNewton, and counts.  Chosen.  What
 /// half and twice of each change is in benchmarks/results/tuning.md.
 struct RungNewtonTuning {
-  /// γ near the solution, and anywhere.
-  static constexpr double kGammaNear = 1, kGamma = 30;
+  static constexpr double kGamma = 30;
   /// ρ at first, and in rounds.
   static constexpr double kRho = 1e-6, kRhoOfRounds = 1e-4;
   /// Steps at most: on the way, in rounds, and at the end.
   static constexpr int kFewSteps = 8, kStepsOfRounds = 10, kStepsAtEnd = 20;
-  /// Steps over which |G| may grow: near the solution, and anywhere.
-  static constexpr int kMemoryNear = 4, kMemory = 10;
+  /// Steps over which |G| may grow.
+  static constexpr int kMemory = 10;
   /// Steps that bring nothing: on the way, in rounds, and at the end.
   static constexpr int kFewIdle = 4, kIdleOfRounds = 8, kIdleAtEnd = 6;
 };
 
-/// From a guess that is near, or is given up soon.
-inline constexpr FrictionNewton kNewtonFromGuess{.gamma = RungNewtonTuning::kGammaNear,
-                                                 .rho = RungNewtonTuning::kRho,
-                                                 .steps = RungNewtonTuning::kFewSteps,
-                                                 .memory = RungNewtonTuning::kMemoryNear,
-                                                 .patience = RungNewtonTuning::kFewIdle};
 /// Between sweeps, with one γ or another.
 inline constexpr FrictionNewton kNewtonOfRounds{.gamma = RungNewtonTuning::kGamma,
                                                 .rho = RungNewtonTuning::kRhoOfRounds,
                                                 .steps = RungNewtonTuning::kStepsOfRounds,
                                                 .memory = RungNewtonTuning::kMemory,
                                                 .patience = RungNewtonTuning::kIdleOfRounds};
-/// Now and then on the way of a rung, which goes on where this does not end soon.
+/// From a guess that is near, and now and then on the way of a rung, which goes on where this does not end
+/// soon.
 inline constexpr FrictionNewton kNewtonOnTheWay{.gamma = RungNewtonTuning::kGamma,
                                                 .rho = RungNewtonTuning::kRho,
                                                 .steps = RungNewtonTuning::kFewSteps,

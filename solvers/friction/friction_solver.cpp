@@ -43,7 +43,7 @@ struct Rung {
 };
 
 void newton_from_guess(const ScaledFriction& problem, Vector& r, BestImpulses& best) {
-  kNewtonFromGuess.solve(problem, r, best);
+  kNewtonOnTheWay.solve(problem, r, best);
 }
 
 /// So many sweeps at most, fewer where they are right by themselves, which is looked at now and then: it
