@@ -22,6 +22,7 @@ struct FrictionNewton {
 /// Constants of the Newton methods of the rungs: γ and ρ as in FrictionNewton, and counts.  Chosen.  What
 /// half and twice of each change is in benchmarks/results/tuning.md.
 struct RungNewtonTuning {
+  /// γ, in units of the mean diagonal of a block.
   static constexpr double kGamma = 30;
   /// ρ at first, and in rounds.
   static constexpr double kRho = 1e-6, kRhoOfRounds = 1e-4;
