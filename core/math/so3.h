@@ -36,7 +36,7 @@ Quat relative(const Quat& q_WA, const Quat& q_WF);
 struct SincCosine {
   double sinc, cosine;  ///< sin(x)/x, or cos(x)
 };
-inline SincCosine sinc_cosine(double x2) {  ///< of x2 = x² ≥ 0
+[[gnu::always_inline]] inline SincCosine sinc_cosine(double x2) {  ///< of x2 = x² ≥ 0
   if (x2 > 0.1) {
     const double x = std::sqrt(x2);
     return {std::sin(x) / x, std::cos(x)};

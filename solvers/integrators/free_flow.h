@@ -60,7 +60,7 @@ inline void rotate_split(const MassMatrix::Body& body, const Vec3& L, double h, 
 /// Exact for two equal moments I_t: a rotation about L at the rate |L| / I_t after one about the symmetry
 /// axis I at the rate L_I (1/I_I − 1/I_t).
 template <int I>
-void rotate_symmetric(const MassMatrix::Body& body, const Vec3& L, double h, Quat& q) {
+[[gnu::always_inline]] inline void rotate_symmetric(const MassMatrix::Body& body, const Vec3& L, double h, Quat& q) {
   constexpr int J = (I + 1) % 3, K = (I + 2) % 3;
   const double across = body.inverse_moments[J], excess = body.inverse_moments[I] - across;
   if (excess != 0) {
@@ -76,7 +76,7 @@ void rotate_symmetric(const MassMatrix::Body& body, const Vec3& L, double h, Qua
 }
 
 /// Turns the principal axes.
-inline void rotate(const MassMatrix::Body& body, const Vec3& L, double h, Quat& q) {
+[[gnu::always_inline]] inline void rotate(const MassMatrix::Body& body, const Vec3& L, double h, Quat& q) {
   switch (body.symmetry_axis) {
     case 0:
       return rotate_symmetric<0>(body, L, h, q);

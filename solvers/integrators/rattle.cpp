@@ -201,7 +201,7 @@ void Rattle::kick_and_drift(double h, std::span<const double> lambda, std::span<
                             const Configuration& end, std::span<double> phi) {
   const Rows& rows = system_.rows();
   const std::span<const double> J = start_jacobian_.get();
-  const auto kick = [&](int b) {
+  const auto kick = [this, &rows, J, lambda, h](int b) {
     phase_.kicked[b] = phase_.momenta[b] + 0.5 * h * phase_.forces[b] + detail::wrench_on(rows, b, J, lambda);
   };
   if (tension_.active()) {
@@ -209,7 +209,7 @@ void Rattle::kick_and_drift(double h, std::span<const double> lambda, std::span<
       if (!system_.mass()[b].fixed) kick(b);
     tension_.filter(phase_.state.poses, phase_.kicked);
   }
-  const auto drift = [&](int first, int last) {
+  const auto drift = [this, kick, q1, h](int first, int last) {
     for (int b = first; b < last; ++b) {
       if (system_.mass()[b].fixed) continue;
       if (!tension_.active()) kick(b);
