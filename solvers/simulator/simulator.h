@@ -82,7 +82,7 @@ class Simulator {
   /// during the next step alone (core/world/applied_force.h).
   /// @throws std::invalid_argument, with the name of the body, for a value that is not finite.
   void apply_force(BodyId body, const Wrench& wrench);
-  /// The same of a force [N], world axes, at point P of the body, by how the body is turned now.
+  /// A force [N], world axes, at point P of the body, by how the body is turned now, in the next step alone.
   void apply_force(BodyId body, const Vec3& p_BP, const Vec3& force);
   const StepReport& report() const;  ///< of the last step() or assemble()
 
