@@ -3,13 +3,11 @@
 include(CMakePackageConfigHelpers)
 set(CMAKE_INSTALL_DEFAULT_COMPONENT_NAME development)
 
-set_target_properties(taut PROPERTIES VERSION ${PROJECT_VERSION} SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})
 set(TAUT_CMAKE_DIR ${CMAKE_INSTALL_LIBDIR}/cmake/taut)
 
 set(library_components RUNTIME COMPONENT runtime LIBRARY COMPONENT runtime NAMELINK_COMPONENT development)
 install(TARGETS taut EXPORT taut-targets ${library_components})
 if(TARGET taut_io)
-  set_target_properties(taut_io PROPERTIES VERSION ${PROJECT_VERSION} SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})
   install(TARGETS taut_io EXPORT taut-io-targets ${library_components})
   install(FILES ${PROJECT_SOURCE_DIR}/scenes/export/io.h DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/taut)
   file(GLOB examples CONFIGURE_DEPENDS scenes/examples/*.json scenes/examples/*.obj)
@@ -34,7 +32,7 @@ set(roots solvers/taut.h solvers/friction/friction_solver.h solvers/integrators/
 if(TARGET taut_io)
   list(APPEND roots scenes/export/io.h)
 endif()
-public_headers(TAUT_PUBLIC_HEADERS ${roots})
+taut_public_headers(TAUT_PUBLIC_HEADERS ${roots})
 foreach(header IN LISTS TAUT_PUBLIC_HEADERS)
   get_filename_component(folder ${header} DIRECTORY)
   install(FILES ${header} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/taut/${folder})

@@ -1,6 +1,6 @@
-# public_headers(RESULT FIRST…): these and every header of this tree that they include, directly or not; paths relative to
+# taut_public_headers(RESULT FIRST…): these and every header of this tree that they include, directly or not; paths relative to
 # the tree.  These are what is installed, so that the interface is what taut.h and headers beside it name, and what that needs.
-function(public_headers result)
+function(taut_public_headers result)
   set(todo ${ARGN})
   set(found "")
   while(todo)

@@ -11,6 +11,7 @@
 #include "core/state/force.h"
 #include "core/state/motion.h"
 #include "core/state/state.h"
+#include "core/world/applied_force.h"
 #include "core/world/diagnostics.h"
 #include "core/world/joint_frame.h"
 #include "core/world/rigid_body.h"

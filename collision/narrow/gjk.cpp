@@ -19,6 +19,7 @@
 #include <fcl/narrowphase/detail/convexity_based_algorithm/gjk_libccd-inl.h>
 #else
 #define NDEBUG
+#include <assert.h>  // anew, now that they are to be left out
 #include <fcl/narrowphase/detail/convexity_based_algorithm/gjk_libccd-inl.h>
 #undef NDEBUG
 #include <cassert>

@@ -39,4 +39,11 @@ void PassingLoads::set(World& world, std::span<const BodyLoad> loads, std::share
   ++world.parts_->versions.state;
 }
 
+const std::vector<BodyLoad>& PassingLoads::next(const World& world) { return world.parts_->next_loads; }
+
+void PassingLoads::set_next(World& world, std::vector<BodyLoad> loads) {
+  world.parts_->identity.require_free();
+  world.parts_->next_loads = std::move(loads);
+}
+
 }  // namespace taut

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <vector>
+
 #include "core/world/axis_table.h"
 #include "core/world/body_table.h"
 #include "core/world/breakable_joints.h"
@@ -7,6 +9,7 @@
 #include "core/world/force_laws.h"
 #include "core/world/joint_table.h"
 #include "core/world/material_table.h"
+#include "core/world/passing_loads.h"
 #include "core/world/shape_table.h"
 #include "core/world/sleep_table.h"
 #include "core/world/soft_joints.h"
@@ -30,6 +33,7 @@ struct WorldParts {
   ShapeTable shapes;
   MaterialTable materials;
   CollisionRules collisions;
+  std::vector<BodyLoad> next_loads;  // for the next step alone
 };
 
 }  // namespace taut::detail

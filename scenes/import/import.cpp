@@ -16,6 +16,7 @@
 #include "scenes/import/start_overlaps.h"
 #include "scenes/import/urdf_reader.h"
 #include "scenes/import/xml_files.h"
+#include "scenes/support/format.h"
 
 namespace taut {
 namespace {
@@ -64,11 +65,14 @@ ImportedModel import_root(model::XmlFiles& files, const pugi::xml_node& root,
   ImportedModel result;
   result.document = model::SceneDocument(robot).write();
   require_utf8(result.document, files.place(root));
-  if (std::string_view(root.name()) == "robot")
-    for (const auto& [a, b] : model::forbid_overlaps(result.document, file.string()))
-      robot.notices.push_back(
-          {files.place(root),
-           "\"" + a + "\" and \"" + b + "\" are in each other at the start: they do not touch", 1});
+  const bool urdf = std::string_view(root.name()) == "robot";
+  for (const model::LinkOverlap& pair : model::forbid_overlaps(
+           result.document, file.string(), urdf ? model::Meant::kAll : model::Meant::kOfRobot))
+    robot.notices.push_back({files.place(root),
+                             format("\"%s\" and \"%s\" are in each other at the start, by %.3g m: they do "
+                                    "not touch; \"pairs\" of the scene says so",
+                                    pair.a.c_str(), pair.b.c_str(), pair.depth),
+                             1});
   for (ImportNotice& notice : files.unread()) robot.notices.push_back(std::move(notice));
   result.notices = gathered(std::move(robot.notices));
   return result;

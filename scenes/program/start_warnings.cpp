@@ -42,9 +42,15 @@ std::string overlaps(const World& world) {
   const std::vector<StartOverlap> found = start_overlaps(world);
   if (found.empty()) return {};
   return format("bodies are in each other at the start, by up to %.3g m: ", found.front().depth) +
-         first_of(found, kShown, [&](const StartOverlap& overlap) {
-           return world.name(overlap.a) + " and " + world.name(overlap.b) + format(" (%.3g)", overlap.depth);
-         });
+         first_of(found, kShown,
+                  [&](const StartOverlap& overlap) {
+                    return world.name(overlap.a) + " and " + world.name(overlap.b) +
+                           format(" (%.3g)", overlap.depth);
+                  }) +
+         "; contacts push them apart, or fail where joints hold them: move them or, if they are meant to be "
+         "so, let them not touch, in the scene file by \"pairs\": [{\"a\": \"" +
+         world.name(found.front().a) + "\", \"b\": \"" + world.name(found.front().b) +
+         "\", \"collide\": false}]";
 }
 
 }  // namespace

@@ -1,5 +1,7 @@
 #include "scenes/python/session.h"
 
+#include <utility>
+
 #include "core/base/check.h"
 
 namespace taut::python {
@@ -51,6 +53,7 @@ Session::Session(World& world, const Settings& settings) : world_(world), simula
 template <typename Work>
 auto Session::without_gil(Work work) {
   const StepScope scope(world_);
+  ++changes_;
   keyboard_->begin();
   auto result = [&] {
     const nb::gil_scoped_release released;
@@ -79,6 +82,41 @@ RunReport Session::run_until(double t, double h) {
 
 StepReport Session::assemble() {
   return without_gil([&] { return StepReport(simulator_.assemble()); });
+}
+
+void Session::fill(std::vector<double>& rows, When when) {
+  rows.clear();
+  rows.reserve(6 * world_.joint_count());
+  for (int j = 0; j < world_.joint_count(); ++j) {
+    const JointId joint{j};
+    const Reaction reaction =
+        when == When::kMean ? simulator_.mean_reaction(joint) : simulator_.reaction(joint);
+    rows.insert(rows.end(), reaction.torque.begin(), reaction.torque.end());
+    rows.insert(rows.end(), reaction.force.begin(), reaction.force.end());
+  }
+}
+
+ReadOnlyArray Session::reactions(When when) {
+  return ask([&](Simulator&) {
+    Told& told = when == When::kMean ? mean_ : present_;
+    const auto now = [&] {
+      return std::array{changes_,
+                        static_cast<std::int64_t>(world_.identity()),
+                        world_.topology_version(),
+                        world_.state_version(),
+                        world_.axis_version(),
+                        world_.sleep_version()};
+    };
+    if (!told.rows || told.of != now()) {
+      // Memory that no array shows any more is taken again.
+      auto rows = told.rows && told.rows.use_count() == 1 ? std::exchange(told.rows, nullptr)
+                                                          : std::make_shared<std::vector<double>>();
+      fill(*rows, when);
+      told = {std::move(rows), now()};  // asking may have set a version
+    }
+    const std::size_t shape[] = {told.rows->size() / 6, 6};
+    return ReadOnlyArray(told.rows->data(), 2, shape, keep(told.rows));
+  });
 }
 
 }  // namespace taut::python

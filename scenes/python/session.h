@@ -1,11 +1,13 @@
 #pragma once
 
+#include <array>
 #include <atomic>
 #include <chrono>
 #include <memory>
 #include <thread>
 
 #include "scenes/python/access.h"
+#include "scenes/python/arrays.h"
 #include "solvers/simulator/simulator.h"
 
 namespace taut::python {
@@ -47,13 +49,33 @@ class Session {
     keyboard_->begin();
     return ask(simulator_);
   }
+  /// The same of what changes the simulator.
+  template <typename Ask>
+  auto change(Ask change) {
+    ++changes_;
+    return ask(change);
+  }
+
+  enum class When { kMean, kPresent };
+  /// Torque and force of all joints, as rows in the order of their ids: read-only, filled once between two
+  /// changes, and shown for good.
+  ReadOnlyArray reactions(When when);
 
  private:
+  /// Reactions as they were told last, and of which world and simulator.
+  struct Told {
+    std::shared_ptr<std::vector<double>> rows;
+    std::array<std::int64_t, 6> of{};
+  };
+  void fill(std::vector<double>& rows, When when);
+
   /// What the work returns.
   template <typename Work>
   auto without_gil(Work work);
 
   World& world_;
+  std::int64_t changes_ = 0;
+  Told mean_, present_;
   std::unique_ptr<KeyboardQuestion> keyboard_ = std::make_unique<KeyboardQuestion>();
   Simulator simulator_;
 };

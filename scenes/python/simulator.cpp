@@ -5,18 +5,6 @@
 namespace taut::python {
 namespace {
 
-/// Torque and force of each joint, as rows.
-std::vector<double> reaction_rows(const World& world, auto reaction_of) {
-  std::vector<double> rows;
-  rows.reserve(6 * world.joint_count());
-  for (int j = 0; j < world.joint_count(); ++j) {
-    const Reaction reaction = reaction_of(JointId{j});
-    rows.insert(rows.end(), reaction.torque.begin(), reaction.torque.end());
-    rows.insert(rows.end(), reaction.force.begin(), reaction.force.end());
-  }
-  return rows;
-}
-
 /// Columns of arrays, one row a contact.
 nb::dict contact_columns(const Simulator& simulator) {
   const World& world = simulator.world();
@@ -64,17 +52,14 @@ void bind_steps(nb::class_<Session>& c) {
       .def(
           "apply_force",
           [](Session& s, BodyId body, const Wrench& wrench) {
-            s.ask([&](Simulator& sim) { sim.apply_force(body, wrench); });
+            s.change([&](Simulator& sim) { sim.apply_force(body, wrench); });
           },
           nb::arg("body"), nb::arg("wrench"),
-          "A wrench about the centre of mass, world axes, during the next step alone, constant over its "
-          "sub-steps.  Several calls add up.  It wakes the body.  It is gone with a step that is ok(); one "
-          "that "
-          "fails keeps it.")
+          "World.apply_force() of its world: a wrench during the next step alone.")
       .def(
           "apply_force",
           [](Session& s, BodyId body, const Vec3& p_BP, const Vec3& force) {
-            s.ask([&](Simulator& sim) { sim.apply_force(body, p_BP, force); });
+            s.change([&](Simulator& sim) { sim.apply_force(body, p_BP, force); });
           },
           nb::arg("body"), nb::arg("p_BP"), nb::arg("force"),
           "The same of a force [N], world axes, at a point of the body, by how the body is turned now.")
@@ -110,25 +95,17 @@ void bind_answers(nb::class_<Session>& c) {
           "At the present instant, from S λ = −(γ + J M⁻¹ f); with laws on axes, the multipliers at the end "
           "of the last step.  The first call after a step costs what that of reactions() does.")
       .def(
-          "mean_reactions",
-          [](Session& s) {
-            return s.ask([](Simulator& sim) {
-              return owning(reaction_rows(sim.world(), [&](JointId j) { return sim.mean_reaction(j); }), 6);
-            });
-          },
-          "Of all joints over the last step, n×6: torque about the anchor on B [N·m], then force [N] on B, "
-          "world axes.")
+          "mean_reactions", [](Session& s) { return s.reactions(Session::When::kMean); }, kOwned,
+          "Of all joints over the last step, n×6, row j the joint of id j: torque about the anchor on B "
+          "[N·m], "
+          "then force [N] on B, world axes.  Read-only, filled once a step and from then on without a copy; "
+          "it goes on showing this step when the world moves on.")
       .def(
-          "reactions",
-          [](Session& s) {
-            return s.ask([](Simulator& sim) {
-              return owning(reaction_rows(sim.world(), [&](JointId j) { return sim.reaction(j); }), 6);
-            });
-          },
-          "Of all joints at the present instant, n×6 as mean_reactions().  The first call after a step "
-          "assembles and factors the system at that instant, which takes as long as three or four steps of "
-          "one to five rods and less than one of a large scene; further calls only read.  mean_reactions() "
-          "only reads.")
+          "reactions", [](Session& s) { return s.reactions(Session::When::kPresent); }, kOwned,
+          "Of all joints at the present instant, n×6, read-only and without a copy as mean_reactions().  The "
+          "first call after a step assembles and factors the system at that instant, which takes as long as "
+          "three or four steps of one to five rods and less than one of a large scene; further calls only "
+          "show it.")
       .def(
           "axis_report",
           [](Session& s, AxisId axis) {
@@ -164,7 +141,7 @@ void bind_events_of(nb::class_<Session>& c) {
   c.def(
        "set_events",
        [](Session& s, std::vector<Event> events) {
-         s.ask([&](Simulator& sim) { sim.set_events(std::move(events)); });
+         s.change([&](Simulator& sim) { sim.set_events(std::move(events)); });
        },
        nb::arg("events"),
        "What happens from now on, in place of what was given before.  step() divides its step where events "
@@ -202,7 +179,7 @@ void bind_stretches(nb::module_& m, nb::class_<Session>& c) {
       .def(
           "set_contact_stretches",
           [](Session& s, std::vector<ContactStretch> stretches) {
-            s.ask([&](Simulator& sim) { sim.set_contact_stretches(std::move(stretches)); });
+            s.change([&](Simulator& sim) { sim.set_contact_stretches(std::move(stretches)); });
           },
           nb::arg("stretches"),
           "The next step starts with contacts stretched so, and with all bodies awake.");
@@ -236,7 +213,7 @@ void bind_checkpoints(nb::module_& m, nb::class_<Session>& c) {
       .def(
           "restore",
           [](Session& s, const Checkpoint& checkpoint) {
-            s.ask([&](Simulator& sim) { sim.restore(checkpoint); });
+            s.change([&](Simulator& sim) { sim.restore(checkpoint); });
           },
           nb::arg("checkpoint"), "Sets the world to the state of a checkpoint and goes on from there.");
 }

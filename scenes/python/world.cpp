@@ -2,6 +2,7 @@
 
 #include <nanobind/stl/variant.h>
 
+#include "core/world/applied_force.h"
 #include "scenes/python/access.h"
 #include "scenes/python/parts.h"
 #include "scenes/python/world_state.h"
@@ -37,6 +38,25 @@ void bind_making(nb::class_<World>& c) {
             return world.add_force(std::shared_ptr<const Force>(std::move(force)));
           },
           nb::arg("force"), "Adds a force law.")
+      .def(
+          "apply_force",
+          [](World& world, BodyId body, const Wrench& wrench) {
+            begin_change(world);
+            apply_force(world, body, wrench);
+          },
+          nb::arg("body"), nb::arg("wrench"),
+          "A wrench about the centre of mass [N·m, N], world axes, during the next step alone, constant over "
+          "its sub-steps.  Several calls add up.  It wakes the body and is in checkpoints.  It is gone with "
+          "a "
+          "step that is ok(); one that fails keeps it.")
+      .def(
+          "apply_force",
+          [](World& world, BodyId body, const Vec3& p_BP, const Vec3& force) {
+            begin_change(world);
+            apply_force(world, body, p_BP, force);
+          },
+          nb::arg("body"), nb::arg("p_BP"), nb::arg("force"),
+          "The same of a force [N], world axes, at a point of the body [m], by how the body is turned now.")
       .def(
           "set_force",
           [](World& world, ForceId id, std::shared_ptr<Force> force) {

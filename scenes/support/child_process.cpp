@@ -13,8 +13,22 @@
 
 #include "core/base/clock.h"
 
+extern char** environ;  // macOS has no declaration of it
+
 namespace taut {
 namespace {
+
+/// A pipe that other programs do not inherit.  False, with errno, if there is none.
+bool make_pipe(int (&ends)[2]) {
+#ifdef __APPLE__
+  // There is no pipe2: what another thread starts between these calls holds the pipe open until it ends.
+  if (pipe(ends) != 0) return false;
+  for (const int end : ends) (void)fcntl(end, F_SETFD, FD_CLOEXEC);
+  return true;
+#else
+  return pipe2(ends, O_CLOEXEC) == 0;
+#endif
+}
 
 /// Reads until the other side closes the pipe.  @returns false if the limit came first.
 bool read_all(int pipe, double limit, std::string& output) {
@@ -69,7 +83,7 @@ ChildResult run_child(const std::filesystem::path& program, const std::vector<st
   // The pipe tells the end of the program even if nothing is written to it.
   int ends[2];
   ChildResult result;
-  if (pipe2(ends, O_CLOEXEC) != 0) {
+  if (!make_pipe(ends)) {
     result.code = errno;
     return result;
   }

@@ -132,7 +132,8 @@ std::istream& operator>>(std::istream& in, Checkpoint& checkpoint) {
 
 Checkpoint Simulator::checkpoint() {
   Impl& own = impl();
-  if (own.since_events_ && own.loads_.empty() && own.since_events_->versions == own.versions())
+  if (own.since_events_ && PassingLoads::next(own.source_).empty() &&
+      own.since_events_->versions == own.versions())
     return own.since_events_->checkpoint;
   return checkpoint_before({});
 }
@@ -148,6 +149,7 @@ Checkpoint Simulator::checkpoint_before(std::vector<DueEvent> due) {
   own.events_.note_settings(world);
   bool remembers = own.settle();
   State state = world.state();
+  std::vector<BodyLoad> loads = PassingLoads::next(world);
   std::vector<char> attached, gone;  // gone with the last step, which the integrator has not seen yet
   for (int j = 0; j < world.joint_count(); ++j) attached.push_back(world.is_attached({j}));
   gone.assign(attached.size(), 0);
@@ -155,7 +157,7 @@ Checkpoint Simulator::checkpoint_before(std::vector<DueEvent> due) {
     for (const BreakEvent& event : own.stepper_.scheme().breaking().events()) gone[event.joint.index] = 1;
   const auto write = [&](Archive& archive) {
     archive(model, method, state, attached, gone, remembers);
-    own.loads_.transfer(archive, world);
+    transfer_loads(archive, loads, world);
     archive(has_events);
     if (has_events) own.events_.transfer(archive, world), own.events_.transfer(archive, due);
     if (remembers) own.transfer(archive, {});
@@ -180,7 +182,7 @@ void Simulator::restore(const Checkpoint& checkpoint) {
   State state;
   std::vector<char> attached, gone;
   bool remembers = false;
-  StepLoads loads;
+  std::vector<BodyLoad> loads;
   archive(model, method, state, attached, gone, remembers);
   const Method own(settings);
   require_same("integrator", method.integrator == own.integrator);
@@ -191,7 +193,7 @@ void Simulator::restore(const Checkpoint& checkpoint) {
   Archive::require(model == model_of(world), "it is of another world");
   Archive::require(std::ssize(attached) == world.joint_count() && gone.size() == attached.size(),
                    "it has other joints");
-  loads.transfer(archive, world);
+  transfer_loads(archive, loads, world);
   bool has_events = false;
   archive(has_events);
   Archive::require(has_events == impl_->events_.any(), "it is of a run with other events");
@@ -217,13 +219,13 @@ void Simulator::restore(const Checkpoint& checkpoint) {
     events.apply(world);
     auto fresh = std::make_unique<Impl>(world, settings);
     fresh->hooks_ = impl_->hooks_;
-    fresh->loads_ = std::move(loads);
     fresh->events_ = std::move(events);
     if (remembers) {
       fresh->transfer(archive, gone);
       Archive::require(archive.at_end());
     }
     impl_ = std::move(fresh);
+    PassingLoads::set_next(world, std::move(loads));
     if (!due.empty()) {
       (void)impl_->events_.let_happen(impl_->source_, due);
       impl_->since_events_ = {checkpoint, impl_->versions()};

@@ -93,7 +93,7 @@ const StepReport& Simulator::step(double dt) {
   Impl& now = impl();
   if (now.events_.is_pending() && !now.goal_) return step_with_events(dt);  // parts of it come here
   const detail::FlushToZero mode;
-  const StepLoads::Acting loads(now.source_, now.loads_, now.events_.loads());
+  const ActingLoads loads(now.source_, now.events_.loads());
   Impl::Before before = now.begin_step(dt);
   try {
     const Impl::Watches watches(now);
@@ -139,7 +139,7 @@ void Simulator::Impl::fall_asleep() {
 
 /// What is the same however the step has ended.
 void Simulator::Impl::end_step() {
-  report_.ok() ? loads_.clear() : stay_where_it_was();
+  report_.ok() ? PassingLoads::set_next(source_, {}) : stay_where_it_was();
   end_versions_ = versions();
   if (stepper_.made()) report_detection(stepper_, report_);
   report_.asleep = source_.asleep_count();

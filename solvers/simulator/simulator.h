@@ -78,14 +78,11 @@ class Simulator {
   /// @throws std::invalid_argument if t is not finite or has passed, h is not finite and positive, or there
   /// are more than 1e12 steps, or settings exclude what the world has.
   RunReport run_until(double t, double h);
-  /// A wrench about the centre of mass of a body, world axes [N·m, N], during the next step alone: constant
-  /// in world axes over its sub-steps.  Several calls add up.  It wakes the body, is among `forces` of the
-  /// ledger and in checkpoints, and does nothing to a fixed body.  It is gone with a step that is ok(), of
-  /// run_until() with the first; one that fails keeps it for the next try.
+  /// apply_force(world, …) of the world: a wrench about the centre of mass of a body, world axes [N·m, N],
+  /// during the next step alone (core/world/applied_force.h).
   /// @throws std::invalid_argument, with the name of the body, for a value that is not finite.
   void apply_force(BodyId body, const Wrench& wrench);
-  /// apply_force() of the wrench (r × f, f) of a force f [N], world axes, at point P of the body, with
-  /// r = R_WB p_BP [m] as the body is turned now.
+  /// A force [N], world axes, at point P of the body, by how the body is turned now, in the next step alone.
   void apply_force(BodyId body, const Vec3& p_BP, const Vec3& force);
   const StepReport& report() const;  ///< of the last step() or assemble()
 

@@ -183,8 +183,8 @@ Checkpoint Simulator::checkpoint_if_any(const std::vector<DueEvent>& due) {
 }
 
 const StepReport& Simulator::step_with_events(double dt) {
-  const World& world = impl().source_;
-  const StepLoads loads = impl().loads_;
+  World& world = impl().source_;
+  const std::vector<BodyLoad> loads = PassingLoads::next(world);
   const double end = world.time() + dt, instant = EventTuning::kOneInstant * dt;
   StepReport whole;
   impl().events_.prime(*this);
@@ -192,7 +192,7 @@ const StepReport& Simulator::step_with_events(double dt) {
   while (goes_on && end - world.time() > instant) {
     const double from = world.time(), next = impl().events_.next_time(from);
     const double to = next <= end + instant ? next : end;
-    impl().loads_ = loads;  // for all parts
+    PassingLoads::set_next(world, loads);  // for all parts
     const bool attached = impl().events_.take_attached();
     const Checkpoint before = impl().events_.locates() ? checkpoint_if_any({}) : Checkpoint();
     goes_on = take_part(from, to);

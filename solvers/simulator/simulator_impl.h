@@ -86,7 +86,6 @@ class Simulator::Impl {
   StepReport report_;
   Stepper stepper_;
   Substepping substepping_{settings_};
-  StepLoads loads_;
   EventSchedule events_;
   std::optional<double> goal_;       // of a part between events: the time at its end, to the last bit
   std::optional<StepReport> whole_;  // of a step with events, of all its parts

@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "core/base/check.h"
+#include "core/world/applied_force.h"
 #include "solvers/simulator/simulator_impl.h"
 #include "solvers/simulator/step_quality.h"
 
@@ -30,13 +31,11 @@ std::int64_t steps_between(double from, double to, double h) {
 }  // namespace
 
 void Simulator::apply_force(BodyId body, const Wrench& wrench) {
-  impl().loads_.add(impl().source_, body, wrench);
+  taut::apply_force(impl().source_, body, wrench);
 }
 
 void Simulator::apply_force(BodyId body, const Vec3& p_BP, const Vec3& force) {
-  const World& world = impl().source_;
-  require_all_finite("apply_force on " + world.name(body) + ": point", p_BP);
-  apply_force(body, Wrench{(world.pose(body).q * p_BP).cross(force), force});
+  taut::apply_force(impl().source_, body, p_BP, force);
 }
 
 RunReport Simulator::run_until(double t, double h) {

@@ -202,5 +202,52 @@ TEST(ImportStart, InMjcfTheFileSaysSo) {
   EXPECT_NO_THROW(import_model_text(text("<compiler balanceinertia='true'/>"), "m.xml"));
 }
 
+/// An arm that is folded onto its base: a link and the one behind the next.
+std::string folded_arm(const std::string& more = "") {
+  return "<mujoco><worldbody><geom type='plane' size='1 1 1' pos='0 0 -0.18'/>"
+         "<body name='base'><geom type='box' size='0.2 0.2 0.2'/>"
+         "<body name='upper' pos='0.5 0 0'><joint axis='0 1 0'/><geom type='box' size='0.4 0.1 0.1'/>"
+         "<body name='lower'><joint axis='0 1 0'/><geom type='box' size='0.4 0.1 "
+         "0.1'/></body></body></body>" +
+         more + "</worldbody></mujoco>";
+}
+
+/// They would not part where joints hold them.  A crate that stands in the arm is another matter, as is the
+/// base that stands in the floor.
+TEST(ImportStart, LinksOfARobotThatAreInEachOtherDoNotTouch) {
+  const std::string crate =
+      "<body name='crate' pos='1.1 0 0'><freejoint/><geom type='box' size='0.3 0.1 0.1'/></body>";
+  const ImportedModel model = import_model_text(folded_arm(crate), "m.xml");
+  EXPECT_TRUE(
+      notes(model, "\"base\" and \"lower\" are in each other at the start, by 0.1 m: they do not touch"));
+  const Scene scene = parse_scene(model.document.dump(), "m.xml");
+  const World& world = scene.world;
+  const auto touch = [&](const char* a, const char* b) {
+    return world.may_collide(world.body(a), world.body(b));
+  };
+  EXPECT_FALSE(touch("base", "lower"));
+  EXPECT_FALSE(touch("base", "upper")) << "neighbours never do";
+  EXPECT_TRUE(touch("crate", "lower"));
+  EXPECT_TRUE(touch("crate", "upper"));
+  EXPECT_TRUE(world.may_collide(world.body("crate"), kGround));
+}
+
+TEST(ImportStart, AFoldedArmRunsWithContacts) {
+  Scene scene = parse_scene(import_model_text(folded_arm(), "m.xml").document.dump(), "m.xml");
+  Simulator simulator(scene.world, scene.settings);
+  for (int i = 0; i < 100; ++i) ASSERT_TRUE(simulator.step(1e-3).exact()) << simulator.report().message;
+}
+
+/// Round-off, and feet that are drawn a little into what they stand on, are no reason.
+TEST(ImportStart, WhatIsHardlyInEachOtherTouches) {
+  const std::string text =
+      "<mujoco><worldbody><body name='a'><freejoint/><geom type='box' size='0.1 0.1 0.1'/>"
+      "<body name='b' pos='0 0 0.5'><joint axis='0 1 0'/><geom type='box' size='0.1 0.1 0.1'/>"
+      "<body name='c' pos='0 0 -0.3001'><joint axis='0 1 0'/><geom type='box' size='0.1 0.1 0.1'/></body>"
+      "</body></body></worldbody></mujoco>";
+  const Scene scene = parse_scene(import_model_text(text, "m.xml").document.dump(), "m.xml");
+  EXPECT_TRUE(scene.world.may_collide(scene.world.body("a"), scene.world.body("c")));
+}
+
 }  // namespace
 }  // namespace taut::start_test

@@ -204,7 +204,8 @@ TEST(ProgramStart, BodiesInEachOtherAreNamed) {
     {"name": "high", "density": 1000, "position": [0, 0, 1.25], "shapes": [{"type": "box", "size": [1, 1, 1]}]}]})");
   const Outcome check = run_program({"check", file});
   EXPECT_EQ(check.exit_status, 0);
-  expect_words(check.out, {"warning: bodies are in each other at the start, by up to 0.25 m: low and high"});
+  expect_words(check.out, {"warning: bodies are in each other at the start, by up to 0.25 m: low and high",
+                           R"("pairs": [{"a": "low", "b": "high", "collide": false}])"});
   const Outcome run = run_program({"run", file, "--time", "1"});
   EXPECT_EQ(run.exit_status, 0) << run.err;
   expect_words(run.out + run.err, {"low and high (0.25)", "at most 2.4"});

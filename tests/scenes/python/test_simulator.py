@@ -170,6 +170,30 @@ def test_a_force_for_one_step():
             simulator.apply_force(bob, **wrong)
 
 
+def test_a_force_of_the_world_for_one_step():
+    def free():
+        world = taut.World()
+        world.gravity = [0, 0, 0]
+        return world, world.add_body("bob", taut.MassProperties(2.0, [1, 1, 1]))
+
+    (one, bob), (two, _) = free(), free()
+    one.apply_force(bob, taut.Wrench(torque=[0, 0, 3], force=[4, 0, 0]))  # before there is a simulator
+    one.apply_force(bob, p_BP=[0, 1, 0], force=[0, 0, 8])
+    a, b = taut.Simulator(one), taut.Simulator(two)
+    b.apply_force(bob, taut.Wrench(torque=[0, 0, 3], force=[4, 0, 0]))
+    b.apply_force(bob, p_BP=[0, 1, 0], force=[0, 0, 8])
+    again, _ = free()
+    c = taut.Simulator(again)
+    c.restore(a.checkpoint())
+    for _ in range(2):
+        for simulator in (a, b, c):
+            assert simulator.step(0.01).exact()
+        assert one.twists[bob, 3:] == pytest.approx([0.02, 0, 0.04])
+    assert bits(one) == bits(two) == bits(again)
+    with pytest.raises(ValueError, match="bob"):
+        one.apply_force(bob, taut.Wrench(force=[float("nan"), 0, 0]))
+
+
 def test_assemble():
     world, rod, _ = pendulum()
     world.set_pose(rod, taut.Pose(p=[0.6, 0.1, 0]))

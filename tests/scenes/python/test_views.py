@@ -155,3 +155,56 @@ def test_bad_states_are_refused():
 def test_many_bodies_without_a_loop():
     world = chain(2000)
     assert world.positions[1:, 0].mean() == pytest.approx(100, rel=1e-3)
+
+
+@pytest.mark.parametrize("ask", [lambda simulator: simulator.mean_reactions(), lambda simulator: simulator.reactions()])
+def test_reactions_are_filled_once_a_step(ask):
+    world = chain(10)
+    simulator = taut.Simulator(world)
+    simulator.step(0.01)
+    first = ask(simulator)
+    assert first.shape == (world.joint_count, 6) and not first.flags.writeable and not first.flags.owndata
+    assert address(ask(simulator)) == address(first)
+    with pytest.raises(ValueError):
+        first[0, 0] = 1
+    for joint in (taut.JointId(0), taut.JointId(world.joint_count - 1)):  # row j is the joint of id j
+        one = simulator.mean_reaction(joint) if (ask(simulator) == simulator.mean_reactions()).all() else simulator.reaction(joint)
+        assert (first[joint.index] == [*one.torque, *one.force]).all()
+    before = first.copy()
+    simulator.step(0.01)
+    assert not (ask(simulator) == before).all()
+    assert (first == before).all()  # it goes on showing its step
+
+
+def test_reactions_follow_what_is_set():
+    world, rod, hinge = pendulum()
+    simulator = taut.Simulator(world)
+    simulator.step(1e-3)
+    heavy = simulator.reactions()
+    world.gravity = [0, 0, 0]
+    assert np.abs(simulator.reactions()).max() < np.abs(heavy).max() / 10
+    world.gravity = [0, 0, -9.81]
+    assert simulator.reactions() == pytest.approx(heavy)
+    world.set_pose(rod, world.pose(rod))
+    assert simulator.reactions() == pytest.approx(heavy)
+
+
+@pytest.mark.parametrize("ask", [lambda simulator: simulator.mean_reactions(), lambda simulator: simulator.reactions()])
+def test_reactions_after_a_checkpoint_and_without_their_simulator(ask):
+    world = chain(5)
+    simulator = taut.Simulator(world)
+    simulator.run(3, 0.01)
+    then, checkpoint = ask(simulator), simulator.checkpoint()
+    value = then.copy()
+    simulator.run(20, 0.01)
+    later = ask(simulator)
+    assert not (later == value).all()
+    simulator.restore(checkpoint)
+    again = ask(simulator)
+    assert again == pytest.approx(value, rel=1e-9, abs=1e-9) or not again.any()  # means are of a step since
+    assert (then == value).all() and not (later == value).all()
+    simulator.step(0.01)
+    del simulator, world
+    gc.collect()
+    junk = [np.ones((5, 6)) for _ in range(100)]  # takes freed memory, if it is
+    assert (then == value).all() and junk

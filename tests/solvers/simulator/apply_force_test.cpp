@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include "core/joints/joints.h"
+#include "core/world/applied_force.h"
 #include "scenes/builders/scene.h"
 #include "solvers/common/setting_names.h"
 #include "solvers/simulator/simulator.h"
@@ -271,6 +272,50 @@ TEST(ApplyForce, LeavesFixedBodiesWhereTheyAre) {
   ASSERT_TRUE(simulator.step(0.01).exact());
   EXPECT_EQ(b.world.pose(kGround).p, Vec3::Zero().eval());
   EXPECT_EQ(b.world.twist(b.bob).v, Vec3::Zero().eval());
+}
+
+/// The world holds it until its next step, also before there is a simulator, and a copy has it, too.
+TEST(ApplyForce, OfTheWorldIsThatOfItsSimulator) {
+  Bob one, two;
+  apply_force(one.world, one.bob, {Vec3(1, 2, 3), Vec3(4, 0, 0)});
+  apply_force(one.world, one.bob, Vec3(0.1, 0, 0), Vec3(0, 5, 0));
+  World copy = one.world;
+  Simulator first(one.world), second(two.world), of_copy(copy);
+  second.apply_force(two.bob, {Vec3(1, 2, 3), Vec3(4, 0, 0)});
+  second.apply_force(two.bob, Vec3(0.1, 0, 0), Vec3(0, 5, 0));
+  for (int i = 0; i < 3; ++i) {
+    for (Simulator* simulator : {&first, &second, &of_copy}) ASSERT_TRUE(simulator->step(0.01).exact());
+    for (const World* world : std::initializer_list<const World*>{&two.world, &copy}) {
+      EXPECT_EQ(one.world.twist(one.bob).v, world->twist(one.bob).v) << i;
+      EXPECT_EQ(one.world.twist(one.bob).w, world->twist(one.bob).w) << i;
+    }
+    EXPECT_NEAR(one.world.twist(one.bob).v.x(), 0.02, 1e-14) << i;
+  }
+}
+
+/// A simulator that is made anew for the same world finds it there.
+TEST(ApplyForce, OutlivesTheSimulatorThatWasTold) {
+  Bob b;
+  Simulator(b.world).apply_force(b.bob, {Vec3::Zero(), Vec3(4, 0, 0)});
+  Simulator next(b.world);
+  ASSERT_TRUE(next.step(0.01).exact());
+  EXPECT_NEAR(b.world.twist(b.bob).v.x(), 0.02, 1e-14);
+}
+
+/// A law that asks for one inside a step is refused, and nothing is left.
+TEST(ApplyForce, IsRefusedInsideAStep) {
+  struct Meddler final : Force {
+    World* world = nullptr;
+    void accumulate(const State&, std::span<Wrench>) const override {
+      apply_force(*world, BodyId{1}, Wrench{Vec3::Zero(), Vec3(1, 0, 0)});
+    }
+  };
+  Bob b;
+  auto law = std::make_shared<Meddler>();
+  law->world = &b.world;
+  b.world.add_force(std::shared_ptr<const Force>(law));
+  Simulator simulator(b.world);
+  EXPECT_THROW((void)simulator.step(0.01), std::logic_error);
 }
 
 }  // namespace
