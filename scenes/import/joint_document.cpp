@@ -61,6 +61,7 @@ std::string SceneDocument::write_segment(SceneJson& joints, const Link& link, co
   };
   const std::string name = unique(joint_names_, joined_names(link, segment), b + "_joint");
   SceneJson json{{"name", name}, {"type", segment.type}, {"a", a}, {"b", b}};
+  if (segment.turned) std::swap(json["a"], json["b"]);
   if (segment.type == "universal") {
     json["frame"] = "world";
     json["anchor_a"] = json["anchor_b"] = vector_json(segment.anchor);
@@ -293,7 +294,7 @@ void SceneDocument::write_wire_spring(SceneJson& document, const Wire& wire) {
   document["forces"].push_back(std::move(json));
 }
 
-SceneJson SceneDocument::probe_json(const ModelProbe& probe, bool& known) const {
+SceneJson SceneDocument::probe_json(const ModelProbe& probe, bool& known) {
   SceneJson json{{"quantity", probe.quantity}};
   if (probe.quantity.starts_with("axis")) {
     const SceneJson axis = probe.axis ? axis_reference(*probe.axis) : SceneJson();
@@ -302,6 +303,9 @@ SceneJson SceneDocument::probe_json(const ModelProbe& probe, bool& known) const 
   } else if (probe.quantity.starts_with("reaction")) {
     known = probe.at.link != kWorld && !joints_[probe.at.link].empty();
     if (known) json["joint"] = joints_[probe.at.link].back();
+    if (known && !segments_[probe.at.link].empty() && segments_[probe.at.link].back().turned)
+      note(probe.place,
+           "a sensor of a joint that slides behind a hinge: its probe is of what acts on the parent");
   } else if (probe.quantity != "momentum" && probe.quantity != "angular-momentum" &&
              probe.quantity != "energy") {
     json["body"] = body(probe.at.link);

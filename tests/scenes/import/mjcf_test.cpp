@@ -89,7 +89,51 @@ TEST(ImportMjcf, JointsOfOneBodyAreAsFewAsPossible) {
   EXPECT_EQ(types(hinge + x + hinge + y + hinge + z), "universal hinge 2");
   EXPECT_EQ(types(hinge + x + "<joint axis='1 1 0'/>"), "hinge hinge 2");
   EXPECT_EQ(types(hinge + x + "<joint pos='0 0 .1' axis='0 1 0'/>"), "hinge hinge 2");
+  EXPECT_EQ(types(hinge + y + slide + x), "six_dof 1");
+  EXPECT_EQ(types(hinge + y + slide + y + slide + x), "six_dof 1");
+  EXPECT_EQ(types(hinge + x + hinge + y + slide + z), "six_dof 1");
+  EXPECT_EQ(types(slide + x + hinge + y + slide + x), "six_dof slider 2");
   EXPECT_EQ(types("<freejoint/>"), "1");
+}
+
+/// A link that slides on what turns with it: the joint goes from the link to its parent, and yet all values
+/// and rates are as in the file.
+TEST(ImportMjcf, ASlideBehindAHingeIsAJointFromTheLink) {
+  const ImportedModel model = imported(
+      "<option gravity='0 0 0'/><compiler angle='radian'/>"
+      "<worldbody><body name='b'><joint name='turn' axis='0 1 0' range='-1 2'/>"
+      "<joint name='out' type='slide' axis='1 0 0' stiffness='100' springref='.5' range='-3 4'/>"
+      "<inertial pos='.3 0 0' mass='1' diaginertia='.01 .01 .01'/><site name='s'/></body></worldbody>"
+      "<sensor><force site='s'/></sensor><keyframe><key qvel='2 .25'/></keyframe>");
+  EXPECT_FALSE(notes(model, "a body between them"));
+  EXPECT_TRUE(notes(model, "its probe is of what acts on the parent"));
+  Scene scene = scene_of(model);
+  World& world = scene.world;
+  const JointId joint = world.joint("turn+out");
+  ASSERT_EQ(world.joint(joint).a(), world.body("b"));
+  const AxisId turn{joint, 1}, out{joint, 0};
+  EXPECT_NEAR(world.axis_rate(turn), 2, 1e-14);
+  EXPECT_NEAR(world.axis_rate(out), 0.25, 1e-14);
+  EXPECT_LT((world.twist(world.body("b")).v - Vec3(0.25, 0, -0.6)).norm(), 1e-14);
+  EXPECT_EQ(world.axis_properties(turn).limits->upper, 2);
+  EXPECT_EQ(world.axis_properties(out).limits->lower, -3);
+}
+
+/// cos ωt with all of the mass, or where another slide keeps a body between both joints, with 1e-4 less.
+TEST(ImportMjcf, AllOfALinkSlides) {
+  const auto error = [](const std::string& more) {
+    Scene scene = scene_of(imported("<option gravity='0 0 0'/><worldbody><body name='b'>" + more +
+                                    "<joint axis='0 1 0'/><joint name='out' type='slide' axis='1 0 0' "
+                                    "stiffness='100' springref='.5'/><inertial pos='.3 0 0' mass='1' "
+                                    "diaginertia='.01 .01 .01'/></body></worldbody>"));
+    const Pose& pose = scene.world.pose(scene.world.body("b"));
+    const double start = pose.p.x();
+    Simulator simulator(scene.world, scene.settings);
+    for (int i = 0; i < 1000; ++i) EXPECT_TRUE(simulator.step(1e-4).exact());
+    return std::abs(pose.p.x() - start - 0.5 * (1 - std::cos(1.0)));
+  };
+  EXPECT_LT(error(""), 1e-7);
+  EXPECT_LT(error("<joint type='slide' axis='0 0 1'/>"), 5e-5);
 }
 
 TEST(ImportMjcf, ValuesOfAxesAreThoseOfTheFileLessTheReference) {
