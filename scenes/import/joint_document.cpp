@@ -189,10 +189,13 @@ SceneJson SceneDocument::axis_reference(const AxisName& axis) const {
 void SceneDocument::write_relation(SceneJson& joints, const AxisRelation& relation) {
   const SceneJson driven = axis_reference(relation.driven);
   const SceneJson driving = relation.driving ? axis_reference(*relation.driving) : SceneJson();
-  if (driven.empty() || (relation.driving && driving.empty()))
+  const SceneJson other = relation.other ? axis_reference(*relation.other) : SceneJson();
+  if (driven.empty() || (relation.driving && driving.empty()) || (relation.other && other.empty()))
     return note(relation.place, "a relation of an axis that is none of its own: has no counterpart");
   SceneJson json{{"name", unique(joint_names_, relation.name, "relation")}};
-  if (relation.driving) {
+  if (relation.other) {
+    json.update({{"type", "differential"}, {"input", driven}, {"left", driving}, {"right", other}});
+  } else if (relation.driving) {
     json.update({{"type", "gear"}, {"driving", driving}, {"driven", driven}, {"ratio", relation.ratio}});
   } else {
     const double start = model_.links[relation.driven.link].axes[relation.driven.axis].start;
@@ -252,6 +255,7 @@ void SceneDocument::write_wire(SceneJson& document, const Wire& wire) {
   if (std::ranges::all_of(wire.points, [&](const LinkFrame& p) { return p.link == wire.points[0].link; }))
     return note(wire.place, "a wire between points of one body: left out");
   if (wire.longest < kNoLimit) write_rope(document, wire);
+  if (wire.bar) write_bar(document, wire);
   if (wire.stiffness > 0 || wire.damping > 0) write_wire_spring(document, wire);
 }
 
@@ -278,6 +282,16 @@ void SceneDocument::write_rope(SceneJson& document, const Wire& wire) {
     for (const LinkFrame& point : wire.points)
       json["points"].push_back({{"body", body(point.link)}, {"point", vector_json(world(point).p)}});
   }
+  document["joints"].push_back(std::move(json));
+}
+
+void SceneDocument::write_bar(SceneJson& document, const Wire& wire) {
+  open_ = open_ || (wire.bar_active &&
+                    std::abs((world(wire.points[1]).p - world(wire.points[0]).p).norm() - *wire.bar) > kOpen);
+  SceneJson json{
+      {"name", unique(joint_names_, wire.name, "bar")}, {"type", "distance"}, {"length", *wire.bar}};
+  json.update(wire_ends(wire));
+  if (!wire.bar_active) json["attached"] = false;
   document["joints"].push_back(std::move(json));
 }
 

@@ -364,7 +364,19 @@ TEST(ImportMjcf, TendonsOfOneOrTwoJoints) {
   EXPECT_EQ(held.document["joints"][2]["type"], "driver");
   EXPECT_NEAR(held.document["joints"][2]["motion"]["linear"]["value"].get<double>(), 0.1, 1e-15);
   (void)scene_of(held);
-  EXPECT_TRUE(notes(with("<equality><tendon tendon1='one' tendon2='two'/></equality>"), "<tendon>"));
+  // 3 j = 2 (2 j + ½ k) + const: j = −k + const.
+  const ImportedModel both =
+      with("<equality><tendon tendon1='one' tendon2='two' polycoef='0 2 0 0 0'/></equality>");
+  const auto& relation = both.document["joints"][2];
+  EXPECT_EQ(relation["type"], "gear");
+  EXPECT_EQ(relation["driven"]["joint"], "j");
+  EXPECT_EQ(relation["driving"]["joint"], "k");
+  EXPECT_EQ(relation["ratio"], -1);
+  (void)scene_of(both);
+  EXPECT_TRUE(notes(with("<equality><tendon tendon1='one' tendon2='two' polycoef='0 1 .5 0 0'/></equality>"),
+                    "a relation of tendons that is not linear"));
+  EXPECT_TRUE(notes(with("<equality><tendon tendon1='one' tendon2='one'/></equality>"),
+                    "a relation of 0 joints that is no gear and no differential"));
   // A force along 3 j is three times that on j, by which its stiffness is nine times that of j.
   const ImportedModel driven = with(
       "<actuator><position name='p' tendon='one' kp='4' gear='2' forcerange='-3 3'/></actuator>"
@@ -379,6 +391,50 @@ TEST(ImportMjcf, TendonsOfOneOrTwoJoints) {
                     "has no counterpart: it does nothing"));
   EXPECT_TRUE(
       notes(with("<sensor><actuatorfrc actuator='m'/></sensor>"), "names \"m\", which has no counterpart"));
+}
+
+/// Three hinges turn as those of a differential if a tendon of one of them is the mean of the others, or else
+/// are named with file and line.
+TEST(ImportMjcf, TendonsOfThreeJoints) {
+  const auto with = [](const std::string& mean) {
+    std::string bodies;
+    for (const char* name : {"c", "l", "r"})
+      bodies += std::string("<body><joint name='") + name + "'/>" + kBall + "</body>";
+    return imported("<worldbody>" + bodies +
+                    "</worldbody><tendon><fixed name='case'><joint joint='c' coef='1'/></fixed>\n"
+                    "<fixed name='shafts'><joint joint='l' coef='.5'/><joint joint='r' coef='.5'/></fixed>"
+                    "</tendon><equality><tendon tendon1='case' tendon2='shafts' polycoef='" +
+                    mean + "'/></equality>");
+  };
+  const ImportedModel model = with("0 1 0 0 0");
+  EXPECT_EQ(model.document["joints"][3]["type"], "differential");
+  EXPECT_EQ(model.document["joints"][3]["input"]["joint"], "c");
+  (void)scene_of(model);
+  EXPECT_TRUE(
+      notes(with("0 2 0 0 0"),
+            "m.xml:3: a relation of 3 joints that is no gear and no differential: has no counterpart"));
+}
+
+/// A wire between two sites that keeps its length is a bar.
+TEST(ImportMjcf, AWireOfConstantLengthIsABar) {
+  const auto with = [](const std::string& sites, const std::string& rest) {
+    return imported("<worldbody><site name='a' pos='0 0 2'/><body name='b'><freejoint/><site name='c'/>" +
+                    kBall + "</body></worldbody><tendon><spatial name='w'>" + sites + "</spatial></tendon>" +
+                    rest);
+  };
+  const std::string two = "<site site='a'/><site site='c'/>",
+                    equality = "<equality><tendon name='e' tendon1='w'/></equality>";
+  const ImportedModel model = with(two, equality);
+  ASSERT_EQ(model.document["joints"].size(), 1U);
+  EXPECT_EQ(model.document["joints"][0]["type"], "distance");
+  EXPECT_EQ(model.document["joints"][0]["length"], 2);
+  EXPECT_FALSE(notes(model, "neither limits nor pulls"));
+  Scene scene = scene_of(model);
+  Simulator simulator(scene.world, scene.settings);
+  for (int i = 0; i < 20; ++i) ASSERT_TRUE(simulator.step(1e-2).exact());
+  EXPECT_NEAR(scene.world.pose(BodyId{1}).p.z(), 0, 1e-9);
+  EXPECT_TRUE(notes(with(two, ""), "neither limits nor pulls"));
+  EXPECT_TRUE(notes(with(two + "<site site='a'/>", equality), "over several sites"));
 }
 
 /// Rates of all kinds of joints, of a body between two of them, and of an armature.
