@@ -242,12 +242,13 @@ class MjcfWriter {
       add("connect").append_attribute("anchor") = words(world_.pose(joint.a()).local(point)).c_str();
   }
 
-  /// driven = ratio · driving: a polynomial of degree 1.
+  /// driven = ratio · driving: a polynomial of degree 1; more axes are a sum that stays as it is.
   bool write_coupling(JointId id, const AxisCoupling& coupling) {
     const AxisCoupling::Terms& terms = coupling.terms();
     for (const auto& [axis, factor] : terms)
       if (!names_.contains(axis)) return false;
-    if (terms.size() != 2 || coupling.type() == "driver") return false;
+    if (terms.size() < 2 || coupling.type() == "driver") return false;
+    if (terms.size() > 2) return write_sum(world_.name(id), terms), true;
     const double ratio = -terms[0].second / terms[1].second;
     pugi::xml_node node = equality_.append_child("joint");
     node.append_attribute("name") = world_.name(id).c_str();
@@ -255,6 +256,24 @@ class MjcfWriter {
     node.append_attribute("joint2") = names_.at(terms[0].first).c_str();
     node.append_attribute("polycoef") = ("0 " + words(ratio) + " 0 0 0").c_str();
     return true;
+  }
+
+  void write_sum(const std::string& name, const AxisCoupling::Terms& terms) {
+    pugi::xml_node sum = tendon_.append_child("fixed");
+    sum.append_attribute("name") = name.c_str();
+    for (const auto& [axis, factor] : terms) {
+      pugi::xml_node part = sum.append_child("joint");
+      part.append_attribute("joint") = names_.at(axis).c_str();
+      part.append_attribute("coef") = words(factor).c_str();
+    }
+    write_constant(name);
+  }
+
+  /// The length of a tendon.
+  void write_constant(const std::string& tendon) {
+    pugi::xml_node node = equality_.append_child("tendon");
+    node.append_attribute("name") = tendon.c_str();
+    node.append_attribute("tendon1") = tendon.c_str();
   }
 
   pugi::xml_node line(const std::vector<WirePoint>& points, const std::string& name) {
@@ -283,7 +302,7 @@ class MjcfWriter {
     const std::vector<WirePoint> points = world_.joint(id).course();
     pugi::xml_node node = line(points, world_.name(id));
     if (world_.joint(id).type() == "distance") {
-      equality_.append_child("tendon").append_attribute("tendon1") = world_.name(id).c_str();
+      write_constant(world_.name(id));
       return;
     }
     const AxisId axis = world_.axis(id, "length");

@@ -61,6 +61,7 @@ std::string SceneDocument::write_segment(SceneJson& joints, const Link& link, co
   };
   const std::string name = unique(joint_names_, joined_names(link, segment), b + "_joint");
   SceneJson json{{"name", name}, {"type", segment.type}, {"a", a}, {"b", b}};
+  if (segment.turned) std::swap(json["a"], json["b"]);
   if (segment.type == "universal") {
     json["frame"] = "world";
     json["anchor_a"] = json["anchor_b"] = vector_json(segment.anchor);
@@ -188,10 +189,13 @@ SceneJson SceneDocument::axis_reference(const AxisName& axis) const {
 void SceneDocument::write_relation(SceneJson& joints, const AxisRelation& relation) {
   const SceneJson driven = axis_reference(relation.driven);
   const SceneJson driving = relation.driving ? axis_reference(*relation.driving) : SceneJson();
-  if (driven.empty() || (relation.driving && driving.empty()))
+  const SceneJson other = relation.other ? axis_reference(*relation.other) : SceneJson();
+  if (driven.empty() || (relation.driving && driving.empty()) || (relation.other && other.empty()))
     return note(relation.place, "a relation of an axis that is none of its own: has no counterpart");
   SceneJson json{{"name", unique(joint_names_, relation.name, "relation")}};
-  if (relation.driving) {
+  if (relation.other) {
+    json.update({{"type", "differential"}, {"input", driven}, {"left", driving}, {"right", other}});
+  } else if (relation.driving) {
     json.update({{"type", "gear"}, {"driving", driving}, {"driven", driven}, {"ratio", relation.ratio}});
   } else {
     const double start = model_.links[relation.driven.link].axes[relation.driven.axis].start;
@@ -251,6 +255,7 @@ void SceneDocument::write_wire(SceneJson& document, const Wire& wire) {
   if (std::ranges::all_of(wire.points, [&](const LinkFrame& p) { return p.link == wire.points[0].link; }))
     return note(wire.place, "a wire between points of one body: left out");
   if (wire.longest < kNoLimit) write_rope(document, wire);
+  if (wire.bar) write_bar(document, wire);
   if (wire.stiffness > 0 || wire.damping > 0) write_wire_spring(document, wire);
 }
 
@@ -280,6 +285,16 @@ void SceneDocument::write_rope(SceneJson& document, const Wire& wire) {
   document["joints"].push_back(std::move(json));
 }
 
+void SceneDocument::write_bar(SceneJson& document, const Wire& wire) {
+  open_ = open_ || (wire.bar_active &&
+                    std::abs((world(wire.points[1]).p - world(wire.points[0]).p).norm() - *wire.bar) > kOpen);
+  SceneJson json{
+      {"name", unique(joint_names_, wire.name, "bar")}, {"type", "distance"}, {"length", *wire.bar}};
+  json.update(wire_ends(wire));
+  if (!wire.bar_active) json["attached"] = false;
+  document["joints"].push_back(std::move(json));
+}
+
 void SceneDocument::write_wire_spring(SceneJson& document, const Wire& wire) {
   if (wire.points.size() > 2)
     return note(wire.place, "the spring of a wire through several points: has no counterpart");
@@ -293,7 +308,7 @@ void SceneDocument::write_wire_spring(SceneJson& document, const Wire& wire) {
   document["forces"].push_back(std::move(json));
 }
 
-SceneJson SceneDocument::probe_json(const ModelProbe& probe, bool& known) const {
+SceneJson SceneDocument::probe_json(const ModelProbe& probe, bool& known) {
   SceneJson json{{"quantity", probe.quantity}};
   if (probe.quantity.starts_with("axis")) {
     const SceneJson axis = probe.axis ? axis_reference(*probe.axis) : SceneJson();
@@ -302,6 +317,9 @@ SceneJson SceneDocument::probe_json(const ModelProbe& probe, bool& known) const 
   } else if (probe.quantity.starts_with("reaction")) {
     known = probe.at.link != kWorld && !joints_[probe.at.link].empty();
     if (known) json["joint"] = joints_[probe.at.link].back();
+    if (known && !segments_[probe.at.link].empty() && segments_[probe.at.link].back().turned)
+      note(probe.place,
+           "a sensor of a joint that slides behind a hinge: its probe is of what acts on the parent");
   } else if (probe.quantity != "momentum" && probe.quantity != "angular-momentum" &&
              probe.quantity != "energy") {
     json["body"] = body(probe.at.link);

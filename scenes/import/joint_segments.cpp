@@ -134,12 +134,26 @@ std::optional<JointSegment> six_dof(std::span<const WorldAxis> axes) {
   return segment;
 }
 
+/// Hinges, and then slides that turn with them: from the link to its parent these are slides and then hinges.
+/// With both bodies and all directions the other way round, every motion is what it was.
+std::optional<JointSegment> six_dof_from_link(std::span<const WorldAxis> axes) {
+  if (axes.front().kind != Kind::kHinge || axes.back().kind != Kind::kSlide) return {};
+  std::vector<WorldAxis> turned(axes.rbegin(), axes.rend());
+  for (WorldAxis& axis : turned) axis.axis = -axis.axis;
+  auto found = six_dof(turned);
+  if (!found) return {};
+  std::reverse(found->keys.begin(), found->keys.end());
+  found->turned = true;
+  return found;
+}
+
 /// As slides commute, two in the wrong order are tried the other way round by the caller's next try.
 std::optional<JointSegment> segment_of(std::span<const WorldAxis> axes) {
   if (axes.size() == 1) return single(axes[0]);
   if (axes.size() == 2)
     if (auto found = pair(axes[0], axes[1])) return found;
   if (auto found = six_dof(axes)) return found;
+  if (auto found = six_dof_from_link(axes)) return found;
   std::vector<WorldAxis> turned(axes.begin(), axes.end());
   if (turned[0].kind != Kind::kSlide || turned[1].kind != Kind::kSlide) return {};
   std::swap(turned[0], turned[1]);

@@ -13,6 +13,7 @@ struct JointSegment {
   std::vector<std::string> keys;  ///< names of these axes in the joint; none of a ball
   Vec3 anchor = Vec3::Zero();     ///< [m]
   Quat frame = Quat::Identity();  ///< of a six_dof
+  bool turned = false;            ///< the joint goes from the link to its parent
 };
 
 /// The axes of a link as a chain of joints, as few as possible.  Bodies between them are the caller's.

@@ -3,11 +3,14 @@
 #include <algorithm>
 #include <cmath>
 #include <sstream>
+#include <utility>
 
 #include "scenes/import/link_inertia.h"
 
 namespace taut::model {
 namespace {
+
+constexpr const char* kIdleTendon = "a tendon that neither limits nor pulls by itself: left out";
 
 /// Thrown where something names what a part without counterpart would have defined, or has several copies.
 struct NotThere {
@@ -68,6 +71,7 @@ void MjcfRelations::read(const pugi::xml_node& mujoco) {
   each("contact", &MjcfRelations::read_contact);
   each("tendon", &MjcfRelations::read_tendon);
   each("equality", &MjcfRelations::read_equality);
+  for (const auto& [name, place] : idle_) model_.notices.push_back({place, kIdleTendon, 1});
   read_key(mujoco);
   each("actuator", &MjcfRelations::read_actuator);
   each("sensor", &MjcfRelations::read_sensor);
@@ -180,31 +184,92 @@ void MjcfRelations::read_joint_equality(const MjcfElement& equality) {
   model_.relations.push_back(std::move(relation));
 }
 
-/// c₁ q₁ + c₂ q₂, or c₁ q₁, stays as it is at the start.
+/// Σ c q of the first tendon − factor Σ c q of the second, if there is one, by joint in their order.
+std::vector<MjcfRelations::FixedPart> MjcfRelations::sum_of(const std::string& first,
+                                                            const std::string& second, double factor) const {
+  std::vector<FixedPart> sum;
+  const auto add = [&](const std::string& tendon, double scale) {
+    for (const FixedPart& part : fixed_.at(tendon)) {
+      const auto same = std::ranges::find_if(sum, [&](const FixedPart& s) { return s.axis == part.axis; });
+      if (same == sum.end())
+        sum.push_back({part.axis, scale * part.coef});
+      else
+        same->coef += scale * part.coef;
+    }
+  };
+  add(first, 1);
+  if (!second.empty()) add(second, -factor);
+  std::erase_if(sum, [](const FixedPart& part) { return part.coef == 0; });
+  return sum;
+}
+
+/// The length of a wire; or the sum of joints of a tendon is a linear function of that of another, or stays
+/// as it is.
 void MjcfRelations::read_tendon_equality(const pugi::xml_node& node) {
-  const MjcfElement equality(files_, node);
-  const auto found = fixed_.find(equality.text("tendon1"));
-  if (found == fixed_.end() || node.attribute("tendon2")) return;
   files_.accept(node);
-  const std::vector<FixedPart>& parts = found->second;
-  const double constant = equality.numbers("polycoef", {0, 1, 0, 0, 0})[0];
+  const MjcfElement equality(files_, node);
+  const std::string first = equality.text("tendon1"), second = equality.text("tendon2");
+  if (const auto wire = spatial_.find(first); wire != spatial_.end() && second.empty())
+    return read_bar(equality, wire->second);
+  for (const std::string& name : {first, second})
+    if (!name.empty() && !fixed_.contains(name))
+      return leave_out(equality, "<tendon> \"" + name + "\", which is no sum of joints: has no counterpart");
+  if (first.empty()) return leave_out(equality, "<tendon> without \"tendon1\": left out");
+  const auto poly = equality.numbers("polycoef", {0, 1, 0, 0, 0});
+  if (!second.empty() && std::any_of(poly.begin() + 2, poly.end(), [](double c) { return c != 0; }))
+    return leave_out(equality, "a relation of tendons that is not linear: has no counterpart");
+  relate(equality, sum_of(first, second, poly[1]), poly[0]);
+}
+
+/// Of one joint it is a value, of two a gear, of three a differential.
+void MjcfRelations::relate(const MjcfElement& equality, const std::vector<FixedPart>& sum, double constant) {
   AxisRelation relation;
   relation.name = name_of(equality);
   relation.place = equality.place();
   relation.active = equality.flag("active", true);
-  relation.driven = parts[0].axis;
-  if (parts.size() == 2) {
-    relation.driving = parts[1].axis;
-    relation.ratio = -parts[1].coef / parts[0].coef;
-    if (constant != 0)
-      note(equality, "\"polycoef\": the relation holds as at the start, without its constant");
-  } else {
-    relation.value = axis(relation.driven).start + constant / parts[0].coef;
-  }
+  if (sum.empty() || sum.size() > 3 || (sum.size() == 3 && !is_differential(sum, relation)))
+    return leave_out(equality, "a relation of " + std::to_string(sum.size()) +
+                                   " joints that is no gear and no differential: has no counterpart");
+  if (sum.size() < 3) relation.driven = sum[0].axis;
+  if (sum.size() == 2) relation.driving = sum[1].axis, relation.ratio = -sum[1].coef / sum[0].coef;
+  if (sum.size() == 1) relation.value = axis(relation.driven).start + constant / sum[0].coef;
+  if (sum.size() > 1 && constant != 0)
+    note(equality, "\"polycoef\": the relation holds as at the start, without its constant");
   model_.relations.push_back(std::move(relation));
 }
 
-/// Of one or two hinges or slides: what refers to it can act on these.
+/// a + b − 2 c of three hinges, or a multiple.
+bool MjcfRelations::is_differential(const std::vector<FixedPart>& sum, AxisRelation& relation) const {
+  for (std::size_t k = 0; k < 3; ++k) {
+    const FixedPart &in = sum[k], &left = sum[(k + 1) % 3], &right = sum[(k + 2) % 3];
+    if (left.coef != right.coef || in.coef != -2 * left.coef) continue;
+    for (const FixedPart& part : sum)
+      if (model_.links[part.axis.link].axes[part.axis.axis].kind != LinkAxis::Kind::kHinge) return false;
+    relation.driven = in.axis;
+    relation.driving = left.axis;
+    relation.other = right.axis;
+    return true;
+  }
+  return false;
+}
+
+/// A wire between two sites that stays as long as it is.
+void MjcfRelations::read_bar(const MjcfElement& equality, Wire bar) {
+  idle_.erase(bar.name);
+  if (bar.points.size() > 2 || equality.numbers("polycoef", {0, 1, 0, 0, 0})[0] != 0)
+    return leave_out(equality,
+                     "a wire whose length is given, over several sites or other than at the start: "
+                     "has no counterpart");
+  bar.bar = length_of(bar);
+  bar.bar_active = equality.flag("active", true);
+  if (const std::string name = name_of(equality); !name.empty()) bar.name = name;
+  bar.place = equality.place();
+  bar.longest = kNoLimit;
+  bar.stiffness = bar.damping = 0;
+  model_.wires.push_back(std::move(bar));
+}
+
+/// Of hinges and slides: what refers to it can act on these.
 bool MjcfRelations::read_fixed(const MjcfElement& tendon) {
   std::vector<FixedPart> parts;
   for (const pugi::xml_node& node : files_.children(tendon.node(), "joint")) {
@@ -212,7 +277,7 @@ bool MjcfRelations::read_fixed(const MjcfElement& tendon) {
     parts.push_back({joint(part, "joint"), part.number("coef", 1)});
     if (parts.back().coef == 0 || axis(parts.back().axis).kind == LinkAxis::Kind::kBall) return false;
   }
-  if (parts.empty() || parts.size() > 2) return false;
+  if (parts.empty()) return false;
   if (const std::string name = tendon.text("name"); !name.empty()) fixed_[name] = std::move(parts);
   return true;
 }
@@ -247,24 +312,31 @@ void MjcfRelations::read_spatial(const MjcfElement& tendon) {
     if (range[0] > 0) note(tendon, "the least length of a tendon: has no counterpart");
   }
   read_spring(tendon, wire);
-  if (wire.longest == kNoLimit && wire.stiffness == 0 && wire.damping == 0)
-    return leave_out(tendon, "a tendon that neither limits nor pulls by itself: left out");
-  model_.wires.push_back(std::move(wire));
+  if (const std::string name = tendon.text("name"); !name.empty()) spatial_[name] = wire;
+  if (wire.longest < kNoLimit || wire.stiffness > 0 || wire.damping > 0)
+    return model_.wires.push_back(std::move(wire));
+  if (wire.name.empty()) return leave_out(tendon, kIdleTendon);
+  files_.accept_all(tendon.node());
+  idle_[wire.name] = wire.place;
 }
 
-/// At rest at the length that it starts with, unless it says so.
-void MjcfRelations::read_spring(const MjcfElement& tendon, Wire& wire) {
+double MjcfRelations::length_of(const Wire& wire) const {
   const auto at = [&](const LinkFrame& point) { return pose(point.link).point(point.X_LF.p); };
   double length = 0;
   for (std::size_t k = 1; k < wire.points.size(); ++k)
     length += (at(wire.points[k]) - at(wire.points[k - 1])).norm();
+  return length;
+}
+
+/// At rest at the length that it starts with, unless it says so.
+void MjcfRelations::read_spring(const MjcfElement& tendon, Wire& wire) {
   const auto stiffness = tendon.numbers("stiffness"), damping = tendon.numbers("damping");
   if (!stiffness.empty()) wire.stiffness = not_negative(files_, tendon.node(), "stiffness", stiffness[0]);
   if (!damping.empty()) wire.damping = not_negative(files_, tendon.node(), "damping", damping[0]);
   if (stiffness.size() > 1 || damping.size() > 1)
     note(tendon, "stiffness or damping of a tendon that is no constant: its first number is taken");
   const auto rest = tendon.numbers("springlength");
-  wire.rest = rest.empty() || rest[0] < 0 ? length : rest[0];
+  wire.rest = rest.empty() || rest[0] < 0 ? length_of(wire) : rest[0];
   if (rest.size() > 1 && rest[1] > rest[0] && rest[0] >= 0) wire.slack = rest[1] - rest[0];
 }
 

@@ -38,6 +38,11 @@ class MjcfRelations {
     double coef = 1;
   };
   bool read_fixed(const MjcfElement& tendon);
+  std::vector<FixedPart> sum_of(const std::string& first, const std::string& second, double factor) const;
+  void relate(const MjcfElement& equality, const std::vector<FixedPart>& sum, double constant);
+  bool is_differential(const std::vector<FixedPart>& sum, AxisRelation& relation) const;
+  double length_of(const Wire& wire) const;
+  void read_bar(const MjcfElement& equality, Wire bar);
   std::optional<FixedPart> transmission(const MjcfElement& actuator) const;
   void read_spatial(const MjcfElement& tendon);
   void read_spring(const MjcfElement& tendon, Wire& wire);
@@ -81,7 +86,9 @@ class MjcfRelations {
   const MjcfNames& names_;
   std::string prefix_;  // of names in the whole
   RobotModel& model_;
-  std::map<std::string, std::vector<FixedPart>> fixed_;  // tendons of one or two joints
+  std::map<std::string, std::vector<FixedPart>> fixed_;  // tendons that are sums of joints
+  std::map<std::string, Wire> spatial_;                  // through sites
+  std::map<std::string, ModelPlace> idle_;               // of these, what does nothing by itself
   std::map<std::string, AxisName> actuator_axes_;
   std::vector<double> controls_;  // of the actuators in their order
   std::size_t actuators_ = 0;     // that are read already

@@ -166,6 +166,7 @@ class Fusion {
     for (AxisRelation& relation : model_.relations) {
       function(relation.driven.link);
       if (relation.driving) function(relation.driving->link);
+      if (relation.other) function(relation.other->link);
     }
     for (ModelProbe& probe : model_.probes)
       if (probe.axis) function(probe.axis->link);

@@ -139,23 +139,27 @@ struct Loop {
 /// Names an axis by the link that has it.
 struct AxisName {
   int link = kWorld, axis = 0;
+  auto operator<=>(const AxisName&) const = default;
 };
 
-/// driven = ratio · driving + constant; no driving axis: driven stays at `value`.
+/// driven = ratio · driving + constant; no driving axis: driven stays at `value`.  Three axes are those of a
+/// differential: driven = ½ driving + ½ other + constant.
 struct AxisRelation {
   std::string name;
   AxisName driven;
-  std::optional<AxisName> driving;
+  std::optional<AxisName> driving, other;
   double ratio = 1, value = 0;
   bool active = true;
   ModelPlace place;
 };
 
-/// A wire through points of links: at most `longest` long, or with a spring.
+/// A wire through points of links: at most `longest` long, or with a spring; or a bar of its length.
 struct Wire {
   std::string name;
   std::vector<LinkFrame> points;
   double longest = kNoLimit;
+  std::optional<double> bar;  ///< that two points keep [m]
+  bool bar_active = true;
   double stiffness = 0, damping = 0;
   double rest = 0, slack = 0;  ///< the spring is at rest from this length on, over this much more
   ModelPlace place;

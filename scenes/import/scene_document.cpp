@@ -1,5 +1,6 @@
 #include "scenes/import/scene_document.h"
 
+#include <algorithm>
 #include <cmath>
 #include <sstream>
 
@@ -13,9 +14,9 @@ namespace {
 
 /// A scene has no two joints without a body between them.  Such a body takes this share of the mass of the
 /// link behind it, at the point of the joint between both, where it moves as it would with the link, and so
-/// changes nothing; and this share of its inertia, which does not turn with the link, and so changes the
-/// motion by about as much.
-constexpr double kShareOfMass = 1e-2, kShareOfInertia = 1e-3;
+/// changes nothing, unless the joint slides: then a smaller one, by which the mass that slides is less; and
+/// this share of its inertia, which does not turn with the link, and so changes the motion by about as much.
+constexpr double kShareOfMass = 1e-2, kShareOfSlidingMass = 1e-4, kShareOfInertia = 1e-3;
 constexpr int kMostClasses = 32;
 
 /// The motion of what is behind the first `count` axes of a link, whose parent moves; of the point that is at
@@ -36,6 +37,13 @@ Twist behind_axes(const Twist& parent, const Link& link, int count) {
       motion.v += along;
   }
   return motion;
+}
+
+bool slides(const Link& link, const JointSegment& segment) {
+  const auto first = link.axes.begin() + segment.first;
+  return std::any_of(first, first + segment.count, [](const LinkAxis& axis) {
+    return axis.kind == LinkAxis::Kind::kSlide || axis.kind == LinkAxis::Kind::kScrew;
+  });
 }
 
 }  // namespace
@@ -109,9 +117,10 @@ void SceneDocument::name_bodies() {
     for (std::size_t k = 1; k < segments_[i].size(); ++k)
       between_[i].push_back(unique(body_names_, bodies_[i] + "_" + std::to_string(k), ""));
     if (!between_[i].empty())
-      note(model_.links[i].place, "\"" + bodies_[i] +
-                                      "\" has axes that no single joint has: 1e-2 of its mass and 1e-3 of "
-                                      "its inertia are a body between them");
+      note(model_.links[i].place,
+           "\"" + bodies_[i] +
+               "\" has axes that no single joint has: 1e-2 of its mass, of what slides "
+               "1e-4, and 1e-3 of its inertia are a body between them");
   }
 }
 
@@ -229,9 +238,11 @@ SceneJson SceneDocument::body_json(const std::string& name, const Link& link, co
 std::vector<LinkInertia> SceneDocument::shares_between(std::size_t i) const {
   const Link& link = model_.links[i];
   std::vector<LinkInertia> shares;
-  for (std::size_t k = 1; k < segments_[i].size(); ++k)
-    shares.push_back({kShareOfMass * link.inertia.mass, link.X_WL.local(segments_[i][k].anchor),
+  for (std::size_t k = 1; k < segments_[i].size(); ++k) {
+    const double share = slides(link, segments_[i][k]) ? kShareOfSlidingMass : kShareOfMass;
+    shares.push_back({share * link.inertia.mass, link.X_WL.local(segments_[i][k].anchor),
                       kShareOfInertia * link.inertia.inertia});
+  }
   return shares;
 }
 

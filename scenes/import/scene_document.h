@@ -71,9 +71,10 @@ class SceneDocument {
   void write_wire(SceneJson& document, const Wire& wire);
   SceneJson wire_ends(const Wire& wire) const;
   void write_rope(SceneJson& document, const Wire& wire);
+  void write_bar(SceneJson& document, const Wire& wire);
   void write_wire_spring(SceneJson& document, const Wire& wire);
   void write_probes(SceneJson& document);
-  SceneJson probe_json(const ModelProbe& probe, bool& known) const;
+  SceneJson probe_json(const ModelProbe& probe, bool& known);
 
   RobotModel& model_;
   std::string ground_ = "ground";

@@ -110,7 +110,8 @@ class StartSearch {
       if (model_.loops[i].active)
         for (int link : between(model_.loops[i].a.link, model_.loops[i].b.link)) join(loop_owner(i), link);
     for (const AxisRelation& relation : model_.relations)
-      if (relation.active && relation.driving) join(relation.driven.link, relation.driving->link);
+      for (const auto& from : {relation.driving, relation.other})
+        if (relation.active && from) join(relation.driven.link, from->link);
   }
   /// What a link hangs on.
   int carrier(int link) const { return model_.links[link].free ? kWorld : model_.links[link].parent; }
@@ -195,7 +196,9 @@ class StartSearch {
     for (const Loop* loop : part.loops) append_gap(*loop, gap);
     for (const AxisRelation* relation : part.relations) {
       const auto value = [&](const AxisName& name) { return values_[name.link][name.axis][0]; };
-      gap.push_back(relation->driving
+      gap.push_back(relation->other ? value(relation->driven) - 0.5 * value(*relation->driving) -
+                                          0.5 * value(*relation->other)
+                    : relation->driving
                         ? value(relation->driven) - relation->ratio * value(*relation->driving)
                         : value(relation->driven) + start_of(relation->driven) - relation->value);
     }

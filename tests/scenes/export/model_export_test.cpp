@@ -172,6 +172,31 @@ TEST(ModelExport, LoopsGearsRopesAndSpringsAsMjcf) {
   EXPECT_LT(difference(scene, back), 1e-8);
 }
 
+/// Which are a wire of constant length, and a sum of joints.
+TEST(ModelExport, BarsAndDifferentialsAsMjcf) {
+  Scene scene;
+  World& w = scene.world;
+  const auto rod = [&](const char* name, const Vec3& p) {
+    return w.add_body(
+        {.name = name, .mass = MassProperties::box({0.2, 0.1, 1}, 1), .pose = {Quat::Identity(), p}});
+  };
+  AxisId axis[3];
+  for (int k = 0; k < 3; ++k) {
+    const BodyId body = rod(std::string(1, static_cast<char>('a' + k)).c_str(), {k + 1.0, 0, 0.5});
+    const JointId hinge = w.add("h" + std::to_string(k),
+                                Hinge::at(w, kGround, body, Vec3(k + 1 - 0.3 * k, 0, 0), Vec3::UnitY()));
+    axis[k] = w.axis(hinge, "angle");
+  }
+  w.add("gears", Differential(w, axis[0], axis[1], axis[2]));
+  w.add("bar",
+        Distance(kGround, rod("d", {5, 0, 0.5}), Vec3(5, 0.5, 2), Vec3(0, 0, 0.5), std::hypot(1, 0.5)));
+  std::vector<std::string> notices;
+  const Scene back = there_and_back(scene, mjcf_of, "m.xml", notices);
+  EXPECT_TRUE(notices.empty()) << notices[0];
+  EXPECT_EQ(back.world.joint_count(), scene.world.joint_count());
+  EXPECT_LT(difference(scene, back), 1e-8);
+}
+
 /// A closing hinge is two points, a fixed joint three, and a ball one, also in the tree.
 TEST(ModelExport, LoopsAsUrdf) {
   for (const std::string kind : {"ball", "hinge", "fixed"}) {

@@ -89,7 +89,51 @@ TEST(ImportMjcf, JointsOfOneBodyAreAsFewAsPossible) {
   EXPECT_EQ(types(hinge + x + hinge + y + hinge + z), "universal hinge 2");
   EXPECT_EQ(types(hinge + x + "<joint axis='1 1 0'/>"), "hinge hinge 2");
   EXPECT_EQ(types(hinge + x + "<joint pos='0 0 .1' axis='0 1 0'/>"), "hinge hinge 2");
+  EXPECT_EQ(types(hinge + y + slide + x), "six_dof 1");
+  EXPECT_EQ(types(hinge + y + slide + y + slide + x), "six_dof 1");
+  EXPECT_EQ(types(hinge + x + hinge + y + slide + z), "six_dof 1");
+  EXPECT_EQ(types(slide + x + hinge + y + slide + x), "six_dof slider 2");
   EXPECT_EQ(types("<freejoint/>"), "1");
+}
+
+/// A link that slides on what turns with it: the joint goes from the link to its parent, and yet all values
+/// and rates are as in the file.
+TEST(ImportMjcf, ASlideBehindAHingeIsAJointFromTheLink) {
+  const ImportedModel model = imported(
+      "<option gravity='0 0 0'/><compiler angle='radian'/>"
+      "<worldbody><body name='b'><joint name='turn' axis='0 1 0' range='-1 2'/>"
+      "<joint name='out' type='slide' axis='1 0 0' stiffness='100' springref='.5' range='-3 4'/>"
+      "<inertial pos='.3 0 0' mass='1' diaginertia='.01 .01 .01'/><site name='s'/></body></worldbody>"
+      "<sensor><force site='s'/></sensor><keyframe><key qvel='2 .25'/></keyframe>");
+  EXPECT_FALSE(notes(model, "a body between them"));
+  EXPECT_TRUE(notes(model, "its probe is of what acts on the parent"));
+  Scene scene = scene_of(model);
+  World& world = scene.world;
+  const JointId joint = world.joint("turn+out");
+  ASSERT_EQ(world.joint(joint).a(), world.body("b"));
+  const AxisId turn{joint, 1}, out{joint, 0};
+  EXPECT_NEAR(world.axis_rate(turn), 2, 1e-14);
+  EXPECT_NEAR(world.axis_rate(out), 0.25, 1e-14);
+  EXPECT_LT((world.twist(world.body("b")).v - Vec3(0.25, 0, -0.6)).norm(), 1e-14);
+  EXPECT_EQ(world.axis_properties(turn).limits->upper, 2);
+  EXPECT_EQ(world.axis_properties(out).limits->lower, -3);
+}
+
+/// cos ωt with all of the mass, or where another slide keeps a body between both joints, with 1e-4 less.
+TEST(ImportMjcf, AllOfALinkSlides) {
+  const auto error = [](const std::string& more) {
+    Scene scene = scene_of(imported("<option gravity='0 0 0'/><worldbody><body name='b'>" + more +
+                                    "<joint axis='0 1 0'/><joint name='out' type='slide' axis='1 0 0' "
+                                    "stiffness='100' springref='.5'/><inertial pos='.3 0 0' mass='1' "
+                                    "diaginertia='.01 .01 .01'/></body></worldbody>"));
+    const Pose& pose = scene.world.pose(scene.world.body("b"));
+    const double start = pose.p.x();
+    Simulator simulator(scene.world, scene.settings);
+    for (int i = 0; i < 1000; ++i) EXPECT_TRUE(simulator.step(1e-4).exact());
+    return std::abs(pose.p.x() - start - 0.5 * (1 - std::cos(1.0)));
+  };
+  EXPECT_LT(error(""), 1e-7);
+  EXPECT_LT(error("<joint type='slide' axis='0 0 1'/>"), 5e-5);
 }
 
 TEST(ImportMjcf, ValuesOfAxesAreThoseOfTheFileLessTheReference) {
@@ -320,7 +364,19 @@ TEST(ImportMjcf, TendonsOfOneOrTwoJoints) {
   EXPECT_EQ(held.document["joints"][2]["type"], "driver");
   EXPECT_NEAR(held.document["joints"][2]["motion"]["linear"]["value"].get<double>(), 0.1, 1e-15);
   (void)scene_of(held);
-  EXPECT_TRUE(notes(with("<equality><tendon tendon1='one' tendon2='two'/></equality>"), "<tendon>"));
+  // 3 j = 2 (2 j + ½ k) + const: j = −k + const.
+  const ImportedModel both =
+      with("<equality><tendon tendon1='one' tendon2='two' polycoef='0 2 0 0 0'/></equality>");
+  const auto& relation = both.document["joints"][2];
+  EXPECT_EQ(relation["type"], "gear");
+  EXPECT_EQ(relation["driven"]["joint"], "j");
+  EXPECT_EQ(relation["driving"]["joint"], "k");
+  EXPECT_EQ(relation["ratio"], -1);
+  (void)scene_of(both);
+  EXPECT_TRUE(notes(with("<equality><tendon tendon1='one' tendon2='two' polycoef='0 1 .5 0 0'/></equality>"),
+                    "a relation of tendons that is not linear"));
+  EXPECT_TRUE(notes(with("<equality><tendon tendon1='one' tendon2='one'/></equality>"),
+                    "a relation of 0 joints that is no gear and no differential"));
   // A force along 3 j is three times that on j, by which its stiffness is nine times that of j.
   const ImportedModel driven = with(
       "<actuator><position name='p' tendon='one' kp='4' gear='2' forcerange='-3 3'/></actuator>"
@@ -335,6 +391,50 @@ TEST(ImportMjcf, TendonsOfOneOrTwoJoints) {
                     "has no counterpart: it does nothing"));
   EXPECT_TRUE(
       notes(with("<sensor><actuatorfrc actuator='m'/></sensor>"), "names \"m\", which has no counterpart"));
+}
+
+/// Three hinges turn as those of a differential if a tendon of one of them is the mean of the others, or else
+/// are named with file and line.
+TEST(ImportMjcf, TendonsOfThreeJoints) {
+  const auto with = [](const std::string& mean) {
+    std::string bodies;
+    for (const char* name : {"c", "l", "r"})
+      bodies += std::string("<body><joint name='") + name + "'/>" + kBall + "</body>";
+    return imported("<worldbody>" + bodies +
+                    "</worldbody><tendon><fixed name='case'><joint joint='c' coef='1'/></fixed>\n"
+                    "<fixed name='shafts'><joint joint='l' coef='.5'/><joint joint='r' coef='.5'/></fixed>"
+                    "</tendon><equality><tendon tendon1='case' tendon2='shafts' polycoef='" +
+                    mean + "'/></equality>");
+  };
+  const ImportedModel model = with("0 1 0 0 0");
+  EXPECT_EQ(model.document["joints"][3]["type"], "differential");
+  EXPECT_EQ(model.document["joints"][3]["input"]["joint"], "c");
+  (void)scene_of(model);
+  EXPECT_TRUE(
+      notes(with("0 2 0 0 0"),
+            "m.xml:3: a relation of 3 joints that is no gear and no differential: has no counterpart"));
+}
+
+/// A wire between two sites that keeps its length is a bar.
+TEST(ImportMjcf, AWireOfConstantLengthIsABar) {
+  const auto with = [](const std::string& sites, const std::string& rest) {
+    return imported("<worldbody><site name='a' pos='0 0 2'/><body name='b'><freejoint/><site name='c'/>" +
+                    kBall + "</body></worldbody><tendon><spatial name='w'>" + sites + "</spatial></tendon>" +
+                    rest);
+  };
+  const std::string two = "<site site='a'/><site site='c'/>",
+                    equality = "<equality><tendon name='e' tendon1='w'/></equality>";
+  const ImportedModel model = with(two, equality);
+  ASSERT_EQ(model.document["joints"].size(), 1U);
+  EXPECT_EQ(model.document["joints"][0]["type"], "distance");
+  EXPECT_EQ(model.document["joints"][0]["length"], 2);
+  EXPECT_FALSE(notes(model, "neither limits nor pulls"));
+  Scene scene = scene_of(model);
+  Simulator simulator(scene.world, scene.settings);
+  for (int i = 0; i < 20; ++i) ASSERT_TRUE(simulator.step(1e-2).exact());
+  EXPECT_NEAR(scene.world.pose(BodyId{1}).p.z(), 0, 1e-9);
+  EXPECT_TRUE(notes(with(two, ""), "neither limits nor pulls"));
+  EXPECT_TRUE(notes(with(two + "<site site='a'/>", equality), "over several sites"));
 }
 
 /// Rates of all kinds of joints, of a body between two of them, and of an armature.
