@@ -78,15 +78,14 @@ class TreeBuilder {
     body.ball = joint.type() == "ball";
     const bool chain = is_chain(joint.type()), turned = joint.a() == to;
     if (!chain && !body.ball && joint.type() != "fixed") return;
-    if (chain && !read_axes(body, turned)) return;
+    if (chain) read_axes(body, turned);
     used_[id.index] = true;
     reach(std::move(body));
   }
-  /// Of a chain from child to parent only one axis is the same the other way round.
-  bool read_axes(TreeBody& body, bool turned) {
+  /// Slides first; of a chain from child to parent all the other way round, hinges first.
+  void read_axes(TreeBody& body, bool turned) {
     const bool universal = world_.joint(body.joint).type() == "universal";
     const int count = universal ? 2 : world_.axis_count(body.joint);
-    if (turned && count > 1) return false;
     for (int k = 0; k < count; ++k) {
       const AxisId id{body.joint, k};
       const bool angular = world_.axis_info(id).angular;
@@ -95,7 +94,7 @@ class TreeBuilder {
     }
     std::stable_partition(body.axes.begin(), body.axes.end(),
                           [](const TreeAxis& axis) { return !axis.angular; });
-    return true;
+    if (turned) std::reverse(body.axes.begin(), body.axes.end());
   }
 
   const World& world_;

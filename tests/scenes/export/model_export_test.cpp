@@ -172,6 +172,22 @@ TEST(ModelExport, LoopsGearsRopesAndSpringsAsMjcf) {
   EXPECT_LT(difference(scene, back), 1e-8);
 }
 
+/// From a body to what it hangs on: slides that turn with hinges, and a universal joint.
+TEST(ModelExport, JointsTowardsTheGroundAsMjcf) {
+  Scene scene;
+  World& w = scene.world;
+  const auto body = [&](const Vec3& p) {
+    return w.add_body({.mass = MassProperties::box({0.3, 0.2, 0.1}, 1), .pose = {exp_so3(p), p}});
+  };
+  const BodyId a = body({1, 0, 0}), b = body({1.5, 0, 0.5});
+  SixDof::Locks locks{{false, true, true}, {true, true, false}};
+  w.add("out", SixDof::at(w, a, kGround, Vec3(0.2, 0, 0), Quat(0.5, 0.5, 0.5, 0.5), locks));
+  w.add("cardan", Universal::at(w, b, a, Vec3(1.2, 0, 0.2), Vec3::UnitY(), Vec3::UnitZ()));
+  std::vector<std::string> notices;
+  EXPECT_LT(difference(scene, there_and_back(scene, mjcf_of, "m.xml", notices)), 1e-8);
+  EXPECT_TRUE(notices.empty()) << notices[0];
+}
+
 /// Which are a wire of constant length, and a sum of joints.
 TEST(ModelExport, BarsAndDifferentialsAsMjcf) {
   Scene scene;
