@@ -60,7 +60,8 @@ inline void rotate_split(const MassMatrix::Body& body, const Vec3& L, double h, 
 /// Exact for two equal moments I_t: a rotation about L at the rate |L| / I_t after one about the symmetry
 /// axis I at the rate L_I (1/I_I − 1/I_t).
 template <int I>
-[[gnu::always_inline]] inline void rotate_symmetric(const MassMatrix::Body& body, const Vec3& L, double h, Quat& q) {
+[[gnu::always_inline]] inline void rotate_symmetric(const MassMatrix::Body& body, const Vec3& L, double h,
+                                                    Quat& q) {
   constexpr int J = (I + 1) % 3, K = (I + 2) % 3;
   const double across = body.inverse_moments[J], excess = body.inverse_moments[I] - across;
   if (excess != 0) {
