@@ -1,6 +1,6 @@
 // Where the work of a step goes, for one scene: fill and operations of the factor, its time beside that of a
 // bare CHOLMOD, its rate beside that of DGEMM, time of a step and of its stages, joints, energy, memory.
-// Prints one JSON object.  One thread; processor times.
+// Prints one JSON object.  One thread and processor times, but for the gain of two threads.
 #include <omp.h>
 #include <sys/resource.h>
 
@@ -14,11 +14,13 @@
 #include <numeric>
 #include <random>
 #include <stdexcept>
+#include <thread>
 #include <vector>
 
 #include "benchmarks/block_problem.h"
 #include "benchmarks/one_blas_thread.h"
 #include "benchmarks/timing.h"
+#include "core/base/thread_pool.h"
 #include "core/world/diagnostics.h"
 #include "scenes/builders/scene.h"
 #include "solvers/linear/block_ordering.h"
@@ -64,6 +66,28 @@ void linearize(ConstraintSystem& system, const World& world) {
   system.set_mass(world.state().poses);
 }
 
+/// Medians of the time of the wall of a factorisation by one thread over that by two, in turns; nothing where
+/// the machine has one.
+Json gain_of_two(const SymmetricMatrix& S, MultifrontalFactor& alone) {
+  constexpr int kTimes = 9;
+  if (std::thread::hardware_concurrency() < 2) return {};
+  detail::LazyPool pool(2);
+  MultifrontalFactor shared(&pool);
+  shared.analyze(S);
+  (void)shared.factorize(S);
+  const auto seconds_of = [&](MultifrontalFactor& factor) {
+    const double start = benchmarks::cpu_seconds(CLOCK_MONOTONIC);
+    (void)factor.factorize(S);
+    return benchmarks::cpu_seconds(CLOCK_MONOTONIC) - start;
+  };
+  std::vector<double> one, two;
+  for (int i = 0; i < kTimes; ++i) {
+    one.push_back(seconds_of(alone));
+    two.push_back(seconds_of(shared));
+  }
+  return benchmarks::median(std::move(one)) / benchmarks::median(std::move(two));
+}
+
 Json factor_json(const World& world) {
   OrderMemory orders;
   ConstraintSystem system(world, FactorChoice::kMultifrontal, RankTuning::kStepping,
@@ -75,6 +99,9 @@ Json factor_json(const World& world) {
   factor.analyze(system.matrix());
   int failed = -1;
   const double seconds = median_time(9, [&] { failed = factor.factorize(system.matrix()); });
+  const Json gain = gain_of_two(system.matrix(), factor);
+  Json modelled;
+  for (const int threads : {2, 4, 16, 64}) modelled[std::to_string(threads)] = factor.modelled_gain(threads);
   const double rate = dgemm_rate();
   omp_set_max_active_levels(0);  // the better of CHOLMOD's two faces, see step_benchmark
   double bare = std::numeric_limits<double>::infinity();
@@ -92,7 +119,9 @@ Json factor_json(const World& world) {
           {"factor_usable", failed < 0},
           {"flops_per_s", factor.flops() / seconds},
           {"dgemm_flops_per_s", rate},
-          {"share_of_dgemm", factor.flops() / seconds / rate}};
+          {"share_of_dgemm", factor.flops() / seconds / rate},
+          {"gain_of_two_threads", gain},
+          {"modelled_gain", modelled}};
 }
 
 /// The factor of S in this order, with a shift for scenes whose rows are dependent; the least of many times,

@@ -51,6 +51,23 @@ std::string row_of(const OrderedJson& p) {
                 number_in(p, "energy_drift_rel"), number_in(p, "peak_memory_mb"));
 }
 
+/// What threads gain in the factor, of scenes where four would gain anything.
+std::string thread_rows(const OrderedJson& profiles) {
+  std::string rows;
+  for (const OrderedJson& p : profiles) {
+    if (!is_whole(p) || !p.contains("modelled_gain")) continue;
+    const OrderedJson& gain = p.at("modelled_gain");
+    if (!(number_in(gain, "4") > 1.05)) continue;
+    const double measured = number_in(p, "gain_of_two_threads");
+    rows += "| " + p.at("scene").get<std::string>() +
+            format(" %d%s | ", p.at("n").get<int>(), with_of(p, " ").c_str()) +
+            (std::isnan(measured) ? std::string("–") : format("%.2f", measured)) +
+            format(" | %.2f | %.2f | %.2f | %.2f |\n", number_in(gain, "2"), number_in(gain, "4"),
+                   number_in(gain, "16"), number_in(gain, "64"));
+  }
+  return rows;
+}
+
 /// What grows, over the rows, of one family of scenes.
 struct Growth {
   std::string family;
@@ -110,6 +127,14 @@ std::string work_tables(const BenchResults& results) {
   for (const Growth& growth : growth_of(results.at("profiles")))
     text += "| " + growth.family + " |" + cell(growth.time) + cell(growth.fill) + cell(growth.operations) +
             cell(growth.memory) + '\n';
+  if (const std::string rows = thread_rows(results.at("profiles")); !rows.empty())
+    text +=
+        "\n## Threads\n\nTime of a factorisation by one thread over that by several: measured with two, "
+        "where "
+        "small ones are not\nshared, and modelled by the tree of fronts, each of them the work of one "
+        "thread.\n\n"
+        "| scene | two, measured | two | four | 16 | 64 |\n|---|---|---|---|---|---|\n" +
+        rows;
   return text;
 }
 

@@ -163,9 +163,11 @@ inline void RowLaw::insert_step(int left, double w) {
 
 /// Only levels right of a lower and left of an upper limit are places to be.
 inline void RowLaw::leave_out_forbidden() {
-  int first = 0, last = steps;
-  while (first < last && level[first + 1] == kInfinity) ++first;
-  while (first < last && level[last - 1] == -kInfinity) --last;
+  int first = 0, last = 0;
+  while (first < steps && level[first + 1] == kInfinity) ++first;
+  for (int k = first + 1; k <= steps; ++k)
+    if (level[k - 1] != -kInfinity) last = k;
+  last = std::max(first, last);
   for (int k = first; first > 0 && k <= last; ++k) {
     level[k - first] = level[k];
     if (k < last) at[k - first] = at[k];

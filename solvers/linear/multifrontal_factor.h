@@ -72,6 +72,9 @@ class MultifrontalFactor final : public Factor {
   std::span<const double> panels() const { return L_; }
   /// Room for contributions [numbers], of all threads.
   std::size_t contribution_room() const;
+  /// The time of a factorisation by one thread over that by so many, as FrontCost and the tree of fronts say:
+  /// threads neither disturb each other nor share a front.
+  double modelled_gain(int threads) const;
   /// How threads share the work; null if they do not.
   const SharedFronts* shared() const { return shared_.get(); }
 

@@ -69,6 +69,12 @@ std::int64_t with_gap(std::int64_t area) { return area == 0 ? 0 : (area + 11) & 
 
 }  // namespace
 
+double MultifrontalFactor::modelled_gain(int threads) const {
+  const std::vector<double> costs = factor_costs(fronts_);
+  const double time = listed_time(parents_of(fronts_), costs, threads);
+  return time > 0 ? sum_of(costs) / time : 1;
+}
+
 // Threads are started only where there is work for them; where none could be, one does all as ever.
 void MultifrontalFactor::plan_sharing() {
   shared_.reset();

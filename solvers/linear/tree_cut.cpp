@@ -95,6 +95,31 @@ TreeCut cut_for_passes(std::span<const int> parent, std::span<const double> cost
   return cut_under(parent, above, sum);
 }
 
+double listed_time(std::span<const int> parent, std::span<const double> cost, int threads) {
+  std::vector<double> path(cost.begin(), cost.end());  // to the root
+  std::vector<int> waiting(parent.size(), 0);          // for so many children
+  for (std::size_t f = parent.size(); f-- > 0;)
+    if (parent[f] >= 0) {
+      path[f] += path[parent[f]];
+      ++waiting[parent[f]];
+    }
+  std::priority_queue<std::pair<double, int>> ready;
+  for (std::size_t f = 0; f < parent.size(); ++f)
+    if (waiting[f] == 0) ready.emplace(path[f], static_cast<int>(f));
+  std::priority_queue<std::pair<double, int>> running;  // −end, front
+  double now = 0;
+  while (!ready.empty() || !running.empty()) {
+    for (; !ready.empty() && static_cast<int>(running.size()) < threads; ready.pop())
+      running.emplace(-(now + cost[ready.top().second]), ready.top().second);
+    const auto [end, front] = running.top();
+    running.pop();
+    now = -end;
+    if (const int above = parent[front]; above >= 0 && --waiting[above] == 0)
+      ready.emplace(path[above], above);
+  }
+  return now;
+}
+
 double longest_path(std::span<const int> parent, std::span<const double> cost) {
   std::vector<double> below(parent.size(), 0);
   double longest = 0;

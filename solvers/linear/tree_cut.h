@@ -24,6 +24,10 @@ TreeCut cut_below(std::span<const int> parent, std::span<const double> cost, dou
 /// Nothing is cut (no subtrees) where that saves less than a fifth.
 TreeCut cut_for_passes(std::span<const int> parent, std::span<const double> cost, int threads);
 
+/// What the tree takes so many threads, each front the work of one of them and after its children: of those
+/// that are ready, the front whose path to the root is dearest is begun first [Graham1969].
+double listed_time(std::span<const int> parent, std::span<const double> cost, int threads);
+
 /// Cost of the dearest path from a leaf to a root: what a pass through the tree takes with any number of
 /// threads.
 double longest_path(std::span<const int> parent, std::span<const double> cost);

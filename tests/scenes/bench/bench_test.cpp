@@ -183,6 +183,13 @@ TEST(WorkReport, ShowsTheNumbersOfEachProfileAndTheGrowthOfEachFamily) {
       std::string::npos)
       << text;
   EXPECT_NE(text.find("| chain | 1.00 | 1.00 | 1.00 | 0.00 |"), std::string::npos) << text;
+  EXPECT_EQ(text.find("## Threads"), std::string::npos);
+  results["profiles"][1]["modelled_gain"] = {{"2", 1.9}, {"4", 3.5}, {"16", 6}, {"64", 6.25}};
+  results["profiles"][1]["gain_of_two_threads"] = 1.75;
+  EXPECT_NE(work_tables(results).find("| chain 1000 | 1.75 | 1.90 | 3.50 | 6.00 | 6.25 |"),
+            std::string::npos);
+  results["profiles"][1]["gain_of_two_threads"] = nullptr;  // of a machine with one core
+  EXPECT_NE(work_tables(results).find("| chain 1000 | – | 1.90 |"), std::string::npos);
   results["profiles"][1] = {{"scene", "chain"}, {"n", 1000}, {"with", ""}, {"failed", "killed"}};
   EXPECT_NE(work_tables(results).find("| chain 1000 | | killed |"), std::string::npos);
   results["profiles"][1] = profile(1000, 1e-1);

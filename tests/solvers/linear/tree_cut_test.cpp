@@ -87,6 +87,35 @@ TEST(TreeCut, PassesAreCutWhereThatPays) {
   EXPECT_TRUE(cut_for_passes({}, {}, 2).subtrees.empty());
 }
 
+/// A root above two halves, each a front above two leaves; and a chain, which no threads shorten.
+TEST(TreeCut, ListedTimeIsThatOfAScheduleByHand) {
+  const std::vector<int> parent{2, 2, 6, 5, 5, 6, -1};
+  const std::vector<double> cost{3, 2, 4, 1, 1, 6, 5};
+  EXPECT_EQ(listed_time(parent, cost, 1), 22);
+  // Both of 1; at 1 those of 3 and of 6, at 4 that of 2, at 6 that of 4, at 10 the root.
+  EXPECT_EQ(listed_time(parent, cost, 2), 15);
+  EXPECT_EQ(longest_path(parent, cost), 12);
+  EXPECT_EQ(listed_time(parent, cost, 4), 12);
+  EXPECT_EQ(listed_time(std::vector<int>{1, 2, -1}, std::vector<double>{1, 2, 3}, 64), 6);
+  EXPECT_EQ(listed_time({}, {}, 2), 0);
+}
+
+/// No thread is idle while a front is ready: at most the longest path more than an even share [Graham1969].
+TEST(TreeCut, ListedTimeIsWithinItsBounds) {
+  std::mt19937 random(7);
+  for (int trial = 0; trial < 200; ++trial) {
+    const Tree tree = random_tree(1 + trial, random);
+    double total = 0;
+    for (double cost : tree.cost) total += cost;
+    const double path = longest_path(tree.parent, tree.cost);
+    for (const int threads : {1, 2, 5, 64}) {
+      const double time = listed_time(tree.parent, tree.cost, threads);
+      EXPECT_GE(time, std::max(path, total / threads) * (1 - 1e-12));
+      EXPECT_LE(time, (total / threads + path * (threads - 1) / threads) * (1 + 1e-12));
+    }
+  }
+}
+
 TEST(TreeCut, FindsTheLongestPath) {
   EXPECT_EQ(longest_path(std::vector<int>{2, 2, -1, -1}, std::vector<double>{1, 5, 2, 6}), 7);
 }
