@@ -1,9 +1,8 @@
 #pragma once
 
-/// What programs that simulate need; they include it as taut/taut.h.  Beside it, by their own names:
-/// solvers/friction/friction_solver.h (friction problems of others),
-/// solvers/integrators/reduced/tree_dynamics.h (accelerations in reduced coordinates) and
-/// core/constraints/rows.h (joint types of one's own).
+/// What programs that simulate need, joint types of their own included; they include it as taut/taut.h.
+/// Beside it, by their own names: solvers/friction/friction_solver.h (friction problems of others) and
+/// solvers/integrators/reduced/tree_dynamics.h (accelerations in reduced coordinates).
 #include "collision/contact_finder.h"
 #include "collision/mesh/mesh_file.h"
 #include "core/joints/joints.h"

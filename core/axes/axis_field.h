@@ -39,10 +39,10 @@ struct AxisField {
   Value Owner::*member;  ///< where it is
   AxisRange range;       ///< of a number
   AxisFieldNotes notes;  ///< what else there is
-  /// Of its member, in Python too.
+  /// Name of the member, in C++ and in Python.
   constexpr const char* name() const { return notes.name ? notes.name : key; }
 };
-/// Makes one; the default of the member is that of the field.  @{
+/// A field of an axis property; the default of the member is that of the field.  @{
 template <typename Owner>
 constexpr AxisField<Owner, double> axis_field(const char* key, double Owner::*member, AxisRange range,
                                               AxisFieldNotes notes = {}) {

@@ -30,7 +30,7 @@ struct AxisDrag {
   double rate_slope(double, double rate) const { return -2 * coefficient * std::abs(rate); }  /// @}
 };
 
-/// Its place.
+/// Where what is said of a part of an axis, such as its force, has that of the drag.
 template <typename Value>
 struct AxisMember<AxisDrag, Value> {
   Value drag{};                                       ///< of the drag

@@ -46,7 +46,7 @@ struct AxisFriction {
   void check(std::string_view axis) const;
 };
 
-/// Its place.
+/// Where what is said of a part of an axis, such as its force, has that of the friction.
 template <typename Value>
 struct AxisMember<AxisFriction, Value> {
   Value friction{};                                       ///< of the friction

@@ -49,7 +49,7 @@ struct AxisLimits {
   std::string start_problem(double theta, double tolerance) const;
 };
 
-/// Its place.
+/// Where what is said of a part of an axis, such as its force, has that of the limits.
 template <typename Value>
 struct AxisMember<AxisLimits, Value> {
   Value limits{};                                       ///< of the limits

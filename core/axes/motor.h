@@ -81,7 +81,7 @@ struct AxisMotor {
   bool keeps_going() const { return mode == Mode::kTrajectory || (mode == Mode::kVelocity && target != 0); }
 };
 
-/// Its place.
+/// Where what is said of a part of an axis, such as its force, has that of the motor.
 template <typename Value>
 struct AxisMember<AxisMotor, Value> {
   Value motor{};                                       ///< of the motor

@@ -50,7 +50,7 @@ struct AxisSpring {
   double energy(double theta) const;           ///< spring_energy()
 };
 
-/// Its place.
+/// Where what is said of a part of an axis, such as its force, has that of the spring.
 template <typename Value>
 struct AxisMember<AxisSpring, Value> {
   Value spring{};                                       ///< of the spring

@@ -76,7 +76,7 @@ class World {
   JointId add(std::string name, AnyJoint joint) {
     return add_joint(std::move(name), std::make_shared<const AnyJoint>(std::move(joint)));
   }
-  JointId add_joint(std::string name, std::shared_ptr<const Joint> joint);  ///< what add() calls
+  JointId add_joint(std::string name, std::shared_ptr<const Joint> joint);  ///< add() of a joint on the heap
 
   // Joints as a whole (world_joints.cpp).
 
@@ -178,11 +178,13 @@ class World {
   /// pose that is not finite or not of unit length.
   ShapeId add_shape(BodyId body, Shape shape, const Pose& pose = {}, const Material& material = {},
                     CollisionFilter filter = {});
-  /// Gives a body a shape that others may share; it is checked again.  Otherwise as for a shape by value.
+  /// Gives a body a shape that others may share, at a pose in the body's frame; it is checked again.
+  /// @throws std::invalid_argument for a shape or material with bad numbers, and for a pose that is not
+  /// finite or not of unit length.
   ShapeId add_shape(BodyId body, std::shared_ptr<const Shape> shape, const Pose& pose = {},
                     const Material& material = {}, CollisionFilter filter = {});
   int shape_count() const;                     ///< of all bodies
-  const ShapeRecord& shape(ShapeId id) const;  ///< as added
+  const ShapeRecord& shape(ShapeId id) const;  ///< of this number, with its body, pose, material and filter
   /// Sets the material of a shape.  @throws std::invalid_argument for what check_material() refuses.
   void set_material(ShapeId id, const Material& material);
   /// A material with a name, which shapes can share and pairs can refer to.
@@ -226,8 +228,8 @@ class World {
   bool is_fixed(BodyId id) const;                          ///< never moves
   const std::string& name(BodyId id) const;                ///< its name
   const std::string& name(JointId id) const;               ///< its name
-  const Joint& joint(JointId id) const;                    ///< as added
-  const Force& force(ForceId id) const;                    ///< as added or set
+  const Joint& joint(JointId id) const;                    ///< of this number
+  const Force& force(ForceId id) const;                    ///< of this number
   /// A body or joint by name, and whether it is there.  @throws std::invalid_argument if it is not.  @{
   BodyId body(std::string_view name) const;
   JointId joint(std::string_view name) const;

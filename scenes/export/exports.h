@@ -29,7 +29,7 @@ struct ExportOutcome {
   std::vector<std::string> errors;  ///< what could not be written, and why
   std::vector<std::string> notes;   ///< what was left out
 };
-/// Writes all of them.
+/// Writes the files that `files` names.
 /// @param beside another recording, which the page shows beside it
 /// @throws std::invalid_argument for a recording without frames.
 ExportOutcome export_recording(RecordingReader& recording, const ExportFiles& files,

@@ -19,9 +19,9 @@ class RecordingReader {
   explicit RecordingReader(const std::filesystem::path& file);
 
   const RecordingHeader& header() const { return header_; }  ///< what is the same in all frames
-  /// Sound ones.
+  /// Number of frames that are whole.
   int frame_count() const { return static_cast<int>(times_.size()); }
-  /// Of a frame [s].  @throws std::out_of_range for one that is not there.
+  /// Time of a frame [s].  @throws std::out_of_range for one that is not there.
   double time(int frame) const { return times_.at(frame); }
   /// A frame, which lives until the next call.  Reading in order is fast.
   /// @throws std::out_of_range for a frame that is not there, std::runtime_error if the file was changed

@@ -36,7 +36,7 @@ struct AxisImpulse : detail::PlainAxisParts<AllAxisProperties> {
   AxisImpulse operator-(const AxisImpulse& other) const;  ///< of each part
 };
 
-/// A part of it.
+/// A part of an AxisImpulse.
 struct AxisPart {
   double AxisImpulse::*part;             ///< the member
   std::string_view column;               ///< of probes, which add the parts of one column
@@ -75,7 +75,7 @@ constexpr auto axis_parts(AxisTypes<Properties...>) {
   return parts;
 }
 }  // namespace detail
-/// All of them.
+/// All parts of an AxisImpulse, those of its properties behind its own.
 inline constexpr auto kAxisParts = detail::axis_parts(AllAxisProperties{});
 
 inline double AxisImpulse::total() const {

@@ -47,7 +47,7 @@ struct LedgerTerm {
   double EnergyLedger::*amount;  ///< the member [J]
   bool stored = false;           ///< a term of change(), else of total()
 };
-/// All of them, but the start.
+/// All terms of an EnergyLedger but its start, in the order of reports.
 inline constexpr LedgerTerm kLedgerTerms[] = {
     {"kinetic", &EnergyLedger::kinetic, true},
     {"potential", &EnergyLedger::potential, true},

@@ -11,13 +11,15 @@ struct ContactNewtonTuning {
   /// different rates.
   static constexpr double kEqualityRho = 1e-9;
   /// ρ at first: so many times the residual of the guess, from kNearRho to kFirstRho.
+  /// kRhoOfResidual: half lets a pile that falls asleep sink in deeper.
   /// kFirstRho: half and twice take 2.4 times the Newton steps of a card house, and down to a quarter of
   /// those of stacks.
   static constexpr double kRhoOfResidual = 100, kNearRho = 1e-4, kFirstRho = 1e-2;
 
   // Ends of a round.
   /// Newton's equation is met to this part of the residual of the round before (or of itself, if that is
-  /// more), and never better than to the second, of the scale: round-off.
+  /// more), and never better than to the second, of the scale: round-off.  kForcing: half lets a pile that
+  /// falls asleep sink in deeper.
   static constexpr double kForcing = 0.01, kLeastGradient = 1e-13;
   /// Gradients below this part of the scale may be round-off, and are if so many steps leave more than the
   /// third of them.  kStuck: half takes 2.5 times the Newton steps of shapes on a mesh.

@@ -125,13 +125,15 @@ double ImpulseIteration::relax_contact(const Problem& problem, int block) {
     give(row, diagonal_[row], std::min(to, cone.most - cone.normal_given));
   }
   const double normal = std::max(0.0, cone.normal_given + problem.lambda[row]);
-  in_disc(row + 1, cone.sliding_given, cone.sliding * normal, cone.slip_softness, 0);
+  in_disc(row + ContactLaws::kSlidingRow, cone.sliding_given, cone.sliding * normal, cone.slip_softness, 0);
   if (!cone.twist) return largest;
-  if (const double s = diagonal_[row + 3]; s > 0) {
+  const int spin = row + ContactLaws::kSpinRow;
+  if (const double s = diagonal_[spin]; s > 0) {
     const double given = cone.spin_about(normal), part = part_of(cone.linear.spinning * normal, s);
-    give(row + 3, s, into_interval(given + asked(row + 3, s, 0), cone.spinning * normal, part) - given);
+    give(spin, s, into_interval(given + asked(spin, s, 0), cone.spinning * normal, part) - given);
   }
-  in_disc(row + 4, cone.rolling_about(normal), cone.rolling * normal, 0, cone.linear.rolling * normal);
+  in_disc(row + ContactLaws::kRollingRow, cone.rolling_about(normal), cone.rolling * normal, 0,
+          cone.linear.rolling * normal);
   return largest;
 }
 

@@ -22,15 +22,15 @@ void ProximalMetric::set(const Rows& rows, const ContactProblem& problem, double
       std::fill_n(sigma_.begin() + from, count, rho * most);
     };
     const ContactLaws::Cone cone = problem.contacts.cone(k);
-    alike(row, 3);
-    for (int i = 0; i < 3; ++i) {
+    alike(row, ContactLaws::kSpinRow);
+    for (int i = 0; i < ContactLaws::kSpinRow; ++i) {
       const double softness = i == 0 ? cone.softness : cone.slip_softness;
       carry_[row + i] = sigma_[row + i] / (sigma_[row + i] + softness);
       sigma_[row + i] += softness;
     }
     if (!cone.twist) continue;
-    alike(row + 3, 1);
-    alike(row + 4, 2);
+    alike(row + ContactLaws::kSpinRow, 1);
+    alike(row + ContactLaws::kRollingRow, 2);
   }
 }
 

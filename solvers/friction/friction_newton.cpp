@@ -19,7 +19,7 @@ struct FrictionNewtonTuning {
   /// be of use.
   static constexpr double kLeastRho = 1e-11, kMostRho = 1e2;
   /// ρ after a matrix that is singular or a step that was not taken, after a whole one, and after one shorter
-  /// than kShortStep.
+  /// than kShortStep.  kRhoAfterShort: twice fails at a pile of rocks.
   static constexpr double kRhoAfterNone = 30, kRhoAfterWhole = 0.1, kRhoAfterShort = 3;
   /// Part of a step below which ρ grows, so that the next one is not cut down that far.
   static constexpr double kShortStep = 0.25;

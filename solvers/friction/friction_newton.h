@@ -26,11 +26,13 @@ struct RungNewtonTuning {
   static constexpr double kGamma = 30;
   /// ρ at first, and in rounds.
   static constexpr double kRho = 1e-6, kRhoOfRounds = 1e-4;
-  /// Steps at most: on the way, in rounds, and at the end.
+  /// Steps at most: on the way, in rounds, and at the end.  kStepsOfRounds: half leaves a pile of rocks
+  /// inexact.
   static constexpr int kFewSteps = 8, kStepsOfRounds = 10, kStepsAtEnd = 20;
   /// Steps over which |G| may grow.
   static constexpr int kMemory = 10;
-  /// Steps that bring nothing: on the way, in rounds, and at the end.
+  /// Steps that bring nothing: on the way, in rounds, and at the end.  kIdleOfRounds: half leaves a pile of
+  /// rocks inexact.
   static constexpr int kFewIdle = 4, kIdleOfRounds = 8, kIdleAtEnd = 6;
 };
 

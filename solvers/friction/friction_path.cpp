@@ -17,12 +17,13 @@ struct FrictionPathTuning {
   /// Steps at most, a factorisation each: two of two random stages that 400 leave end within 1,800.
   static constexpr int kMostPathSteps = 4000;
   /// √(z_T² + smooth²) at τ = 1, as a part of √(y·z).  0: the curve has kinks, and none of six hard problems
-  /// is solved.
+  /// is solved; twice leaves two of five random stages inexact.
   static constexpr double kSmoothSlip = 0.1;
-  /// Steps start within kOnPath of the curve, or go back to it alone, and end within kNearPath.
+  /// Steps start within kOnPath of the curve, or go back to it alone, and end within kNearPath: twice
+  /// leaves a random stage inexact.
   static constexpr double kOnPath = 0.5, kNearPath = 0.7;
   /// One that does not is tried again with this part of the way along the curve, after so many tries without
-  /// any, and then with halves of the way back, kMostTries in all.
+  /// any, and then with halves of the way back, kMostTries in all: half leaves two random stages inexact.
   static constexpr double kShorter = 0.4;
   static constexpr int kShorterTries = 5, kMostTries = 12;
   /// On the way back this part of the distance may be left.

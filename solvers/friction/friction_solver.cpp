@@ -21,7 +21,8 @@ struct FrictionLadderTuning {
   static constexpr int kBetweenLooks = 10;
   /// Twice: up to 4 times the sweeps of easy problems, 0.4 of the factorisations of a rock pile.
   static constexpr int kSweepsBeforeNewton = 100;
-  /// Rounds of sweeps and Newton of the two rungs that take turns.
+  /// Rounds of sweeps and Newton of the two rungs that take turns.  kManyRounds: half fails at a pile of
+  /// rocks.
   static constexpr int kRounds = 3, kManyRounds = 60;
   /// γ of many rounds in turn: no single one ends with all problems, and where one goes in a circle the next
   /// one leaves it.

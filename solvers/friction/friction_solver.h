@@ -29,9 +29,9 @@ inline constexpr std::array<const char*, 5> kFrictionRungNames{"guess", "sweeps"
 struct FrictionResult {
   FrictionStatus status = FrictionStatus::kInexact;  ///< how it ended
   Eigen::VectorXd r;                                 ///< impulses, in the rows of the problem
-  FrictionErrors errors;                             ///< of them
+  FrictionErrors errors;                             ///< of r
   FrictionRung rung = FrictionRung::kGuess;          ///< the one whose impulses these are
-  std::array<int, 5> tried{};                        ///< how often each rung was
+  std::array<int, 5> tried{};                        ///< how often each rung was tried
   int factorisations = 0;                            ///< of Newton's and of interior points' matrices
   int sweeps = 0;                                    ///< over all blocks
   double seconds = 0;                                ///< of wall time

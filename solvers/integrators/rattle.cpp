@@ -98,7 +98,7 @@ void Rattle::accept_positions(double h, std::span<const double> lambda, std::spa
   phase_.accept(h);
 }
 
-/// The first kick.  What the filter of implicit stiffness takes away is booked apart, as the work of an
+/// The first kick.  What the filter of implicit stiffness takes away is counted apart, as the work of an
 /// impulse of its own.
 void Rattle::account_for_kick(double h, std::span<const double> lambda, StepWorks& works) {
   const auto add = [&](std::span<const Wrench> to) {

@@ -34,6 +34,7 @@ struct RattleTuning {
   static constexpr int kMoreSolves = 4;
   /// After so many solves, gaps that surfaces open as they turn are closed if they are to so many times the
   /// tolerance: many contacts that wedge a body share their load anew in each solve, by what laws are met to.
+  /// kLateCurved: half lets piles sink in deeper.
   static constexpr int kManySolves = 3;
   static constexpr double kLateCurved = 10;
   /// The second kick gives energy if it is more than this part of what its contact impulses would give bodies

@@ -266,8 +266,8 @@ void ContactForces::aim_discs(int k, std::span<const double> rates) {
       disc.cross_slope = disc.bound / slip.norm();
     }
   };
-  aim(point.sliding, first_row(k) + 1);
-  if (has_twist(k)) aim(point.rolling, first_row(k) + 4);
+  aim(point.sliding, first_row(k) + kSlidingRow);
+  if (has_twist(k)) aim(point.rolling, first_row(k) + kRollingRow);
 }
 
 void ContactForces::begin_single_kick(double h) {

@@ -83,7 +83,8 @@ class LargestResidual {
 
 /// Chosen, where nothing else is said.
 struct ResidualTuning {
-  /// Laws are met if no residual is larger than this part of the scale of all.
+  /// Laws are met if no residual is larger than this part of the scale of all.  Twice lets a pile that falls
+  /// asleep sink in deeper.
   static constexpr double kMet = 1e-9;
   /// Where there are contacts and kMet is not to be had, laws are met if no residual is larger than this:
   /// what dependent rows contradict each other by.  Half: 5.7 times the factorisations of a card house;

@@ -36,7 +36,7 @@ void JointReactions::solve_accelerations(const World& world, const Settings& set
   std::vector<double> rates(system.row_count());
   multipliers_.resize(system.row_count());
   acceleration_right_side(system, state, forces, accelerations, rates, multipliers_);
-  // The least-norm solution, refined once where rows depend on each other.
+  // The least-norm solution, refined; more often where rows depend on each other.
   std::vector<double> rhs = multipliers_, correction(rhs.size());
   system.solve(multipliers_);
   for (int pass = 0; pass < (system.singular() ? 3 : 1); ++pass) {

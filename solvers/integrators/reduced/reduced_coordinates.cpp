@@ -19,9 +19,11 @@ struct MidpointTuning {
   /// and no more than the second is left.
   static constexpr double kTolerance = 1e-13, kRoundOff = 1e-10;
   /// A pass that leaves more than this part of the error has gained nothing; after so many of them it ends.
+  /// kGain: twice fails at chains.
   static constexpr double kGain = 0.7;
   static constexpr int kPatience = 3, kMostPasses = 100;
   /// Newton steps of a joint at least: to round-off, or else passes see steps of the size of the tolerance.
+  /// Half fails at a chain in long steps.
   static constexpr int kClosings = 2;
   /// Least sizes of a step, by which it is not asked for more than round-off allows: a rotation [rad], and a
   /// part of the distance of bodies from the origin.

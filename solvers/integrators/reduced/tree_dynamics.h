@@ -36,7 +36,7 @@ class TreeDynamics {
 
   /// (1), without c, at a state.  What follows refers to that.
   void linearize(const State& state);
-  /// J of all rows there.
+  /// J of all rows at the state of linearize().
   std::span<const double> jacobian() const { return jacobian_; }
   /// Number of speeds u.
   int freedoms() const;

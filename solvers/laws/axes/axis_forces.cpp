@@ -188,7 +188,7 @@ bool AxisForces::laws_move(const ConstraintSystem& system, std::span<const doubl
 
 bool AxisForces::any_broken() const {
   for (std::size_t i = 0; i < axes_.size(); ++i)
-    if (axes_[i].friction.has_let_go(table_.properties(i).friction)) return true;
+    if (axes_[i].friction.slides(table_.properties(i).friction)) return true;
   return false;
 }
 

@@ -26,9 +26,7 @@ struct AxisFrictionLaw : AxisBoxLaw<&AxisImpulse::friction> {
 
   bool held() const { return stuck && !slipping; }
   /// In this step, or because there is no friction any more.
-  bool has_let_go(const std::optional<AxisFriction>& friction) const {
-    return slipping || (stuck && !friction);
-  }
+  bool slides(const std::optional<AxisFriction>& friction) const { return slipping || (stuck && !friction); }
   /// A new start: an axis at rest is held at θ.
   void restart(double theta, double rate) {
     stuck = std::abs(rate) <= AxisFrictionTuning::kRest;
