@@ -13,7 +13,9 @@
 
 #include "core/base/clock.h"
 
-extern char** environ;  // macOS has no declaration of it
+#ifdef __APPLE__
+extern char** environ;
+#endif
 
 namespace taut {
 namespace {

@@ -26,8 +26,10 @@ ImpulseIteration& ContactSolver::iteration() {
 }
 
 double ContactSolver::relative_residual(const StageProblem& problem, double rate_tolerance) const {
-  return largest_residual(problem, rate_tolerance)
-      .over(impulse_scale(diagonal_of(problem), problem.lambda, problem.b));
+  double scale = 0;
+  for (std::size_t r = 0; r < problem.lambda.size(); ++r)
+    scale = std::max(scale, std::abs(problem.lambda[r]) / std::sqrt(problem.effective_mass[r]));
+  return largest_residual(problem, rate_tolerance).over(scale);
 }
 
 /// The natural residual [√J]; infinite if a value is not finite.

@@ -36,8 +36,8 @@ class ContactSolver {
   /// For other rows of the system.
   void reset() { iteration_.reset(); }
 
-  /// The natural residual at λ, whose rates are w, over the size of impulses (impulse_scale()); errors of
-  /// rates within the tolerance do not count.
+  /// The natural residual at λ, whose rates are w, over the largest impulse; errors of rates within the
+  /// tolerance do not count.
   double relative_residual(const StageProblem& problem, double rate_tolerance) const;
   /// λ is what it may start from, then with w the result; true if that is good enough.
   bool solve(const StageProblem& problem, const ContactLimits& limits, StageRecord& record);

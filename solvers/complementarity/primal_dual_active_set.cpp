@@ -18,7 +18,9 @@ PrimalDualOutcome PrimalDualActiveSet::solve(std::span<const RowLaw> laws, std::
     const Error error = choose_segments(laws, lambda, w, limits.rate_tolerance);
     if (!error.largest.finite()) return outcome;
     const double largest = error.largest.size();
-    const double scale = impulse_scale([this](std::size_t r) { return diagonal_[r]; }, lambda, b);
+    double scale = 0;
+    for (std::size_t r = 0; r < lambda.size(); ++r)
+      scale = std::max(scale, std::sqrt(diagonal_[r]) * std::abs(lambda[r]));
     outcome.residual = error.counted.over(scale);
     outcome.converged = outcome.residual <= limits.tolerance;
     const bool slow = largest > Tuning::kProgress * last;

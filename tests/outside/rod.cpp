@@ -1,4 +1,5 @@
-// A rod on a hinge for a user who takes taut::taut from its sources: short enough to run without optimisation.
+// A rod on a hinge for a user who takes taut::taut from its sources: short enough to run without
+// optimisation.
 #include <taut/taut.h>
 
 #include <iostream>
