@@ -290,9 +290,9 @@ TEST(ModelExport, ForcesWithoutACounterpartAreNamed) {
   Scene scene = arm();
   World& w = scene.world;
   const BodyId a = w.body("a"), b = w.body("b");
-  w.add_force(std::make_shared<SpringDamper>(a, b, Vec3::Zero(), Vec3::Zero(), 1, 0, 0));
-  w.add_force(std::make_shared<PointForce>(a, Vec3::Zero(), Vec3::UnitX()));
-  w.add_force(std::make_shared<BodyTorque>(b, Vec3::UnitX()));
+  w.add_force(SpringDamper(a, b, Vec3::Zero(), Vec3::Zero(), 1, 0, 0));
+  w.add_force(PointForce(a, Vec3::Zero(), Vec3::UnitX()));
+  w.add_force(BodyTorque(b, Vec3::UnitX()));
   std::vector<std::string> notices;
   (void)mjcf_of(scene, notices);
   EXPECT_EQ(notices, (std::vector<std::string>{R"(force 1 (point-force on "a"): has no counterpart)",
