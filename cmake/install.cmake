@@ -16,8 +16,10 @@ if(TARGET taut_io)
   # Programs that show how to use the libraries, with what builds them.
   file(GLOB programs CONFIGURE_DEPENDS scenes/examples/*.cpp)
   install(FILES ${programs} scenes/examples/CMakeLists.txt DESTINATION ${CMAKE_INSTALL_DOCDIR}/examples)
-  # For editors; `taut new` names it in the scenes that it writes.
-  install(FILES ${TAUT_SCENE_SCHEMA} DESTINATION ${CMAKE_INSTALL_DATADIR}/taut COMPONENT runtime)
+  # For editors; `taut new` names it in the scenes that it writes, the examples name the one beside them.
+  foreach(folder taut taut/examples)
+    install(FILES ${TAUT_SCENE_SCHEMA} DESTINATION ${CMAKE_INSTALL_DATADIR}/${folder} COMPONENT runtime)
+  endforeach()
   # What a page needs of three.js, where the installed program looks for it; nothing if npm did not get it.
   foreach(file build/three.core.js build/three.module.js examples/jsm/controls/OrbitControls.js LICENSE)
     get_filename_component(folder ${file} DIRECTORY)

@@ -318,7 +318,7 @@ class MjcfWriter {
   void write_force(ForceId id) {
     const LineSpring* spring = world_.force(id).spring();
     if (!spring || spring->law.table || spring->law.damping_table)
-      return notices_.push_back("force " + std::to_string(id.index) + ": has no counterpart");
+      return notices_.push_back(force_label(world_, id) + ": has no counterpart");
     pugi::xml_node node =
         line({{spring->a, spring->p_AP}, {spring->b, spring->p_BQ}}, "spring_" + std::to_string(id.index));
     node.append_attribute("stiffness") = words(spring->law.stiffness).c_str();

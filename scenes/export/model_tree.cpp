@@ -5,6 +5,8 @@
 #include <sstream>
 
 #include "scenes/recording/recorder.h"
+#include "scenes/support/format.h"
+#include "scenes/support/suggestion.h"
 
 namespace taut {
 namespace {
@@ -149,6 +151,19 @@ AxisWords axis_words(const World& world, AxisId axis, std::vector<std::string>& 
       notices.push_back(label + ": " + Property::kFacts.phrase + " has no counterpart");
   });
   return result;
+}
+
+std::string force_label(const World& world, ForceId force) {
+  const Force& law = world.force(force);
+  const char* kind = dynamic_cast<const PointForce*>(&law)          ? "point-force"
+                     : dynamic_cast<const BodyTorque*>(&law)        ? "torque"
+                     : dynamic_cast<const AccelerationField*>(&law) ? "acceleration"
+                     : law.spring()                                 ? "spring-damper"
+                                                                    : "force law";
+  constexpr std::size_t kMostNamed = 3;
+  const std::string bodies =
+      first_of(law.bodies(), kMostNamed, [&](BodyId body) { return quoted_list({world.name(body)}); });
+  return "force " + std::to_string(force.index) + " (" + kind + (bodies.empty() ? "" : " on " + bodies) + ')';
 }
 
 void note_what_no_model_has(const World& world, std::vector<std::string>& notices) {

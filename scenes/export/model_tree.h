@@ -47,6 +47,9 @@ struct AxisWords {
 /// What cannot be said is added to the notices.
 AxisWords axis_words(const World& world, AxisId axis, std::vector<std::string>& notices);
 
+/// "force 2 (torque on "arm")": which law it is, in the words of scene files, and its bodies.
+std::string force_label(const World& world, ForceId force);
+
 /// What no format can say of materials and joints as such: restitution, compliance, what is detached.
 void note_what_no_model_has(const World& world, std::vector<std::string>& notices);
 

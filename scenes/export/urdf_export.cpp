@@ -57,7 +57,8 @@ class UrdfWriter {
     }
     for (const TreeBody& body : tree_.bodies) write_joint(body);
     for (JointId id : tree_.others) write_other(id);
-    if (world_.force_count() > 0) notices_.emplace_back("forces have no counterpart");
+    for (int f = 0; f < world_.force_count(); ++f)
+      notices_.push_back(force_label(world_, ForceId{f}) + ": has no counterpart");
     bool moves = false;
     for (int b = 1; b < world_.body_count(); ++b)
       moves = moves || !world_.twist(BodyId{b}).v.isZero(0) || !world_.twist(BodyId{b}).w.isZero(0);

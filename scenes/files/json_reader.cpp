@@ -6,6 +6,7 @@
 
 #include "core/base/check.h"
 #include "scenes/files/synonyms.h"
+#include "scenes/support/format.h"
 
 namespace taut {
 namespace {
@@ -14,10 +15,12 @@ constexpr std::size_t kShownLength = 60;
 /// Directions whose length differs from 1 by no more than this are numbers with few digits; with more they
 /// may be a mistake.  Three decimals, as in 0.707, are as good as 7e-4.
 constexpr double kSilentlyOfUnitLength = 1e-3;
-/// A quaternion whose first number is so small and whose last one so large is a turn by 170° or more as w, x,
-/// y, z, about an axis near z, but one by no more than 91° as x, y, z, w, which is met
-/// more often.
-constexpr double kHardlyAnyW = 0.08, kMostly = 0.7;
+/// A quaternion whose first number is so small and whose last one is the largest is a turn by 133° or more as
+/// w, x, y, z, about an axis nearer to z than to x and y, but one by less than 117° as x, y, z, w, which is
+/// met more often.
+constexpr double kLittleW = 0.4;
+/// A first number that says that w is in front.
+constexpr double kMostly = 0.7;
 
 /// The value as the file has it, shortened.
 std::string shown(const nlohmann::json& value) {
@@ -33,8 +36,8 @@ std::string shown(const nlohmann::json& value) {
 /// What is known, and which of it is meant by a name of the format: that of something which others call so,
 /// or one that is spelt alike.
 std::string known_names(const char* before, const std::vector<std::string>& known, const std::string& given,
-                        const std::vector<std::string>& candidates) {
-  if (std::string other = called_here(given, candidates); !other.empty()) return other;
+                        const std::vector<std::string>& candidates, bool is_list = false) {
+  if (std::string other = called_here(given, candidates, is_list); !other.empty()) return other;
   return before + quoted_list(known) + did_you_mean(given, candidates);
 }
 
@@ -188,11 +191,12 @@ Quat JsonNode::quaternion() const {
   const std::vector<double> given = numbers(4, "a quaternion of 4 numbers w, x, y, z");
   const Eigen::VectorXd q = of_unit_length(given, before);
   problems_->has_w_first = problems_->has_w_first || std::abs(q[0]) >= kMostly;
-  if (std::abs(q[0]) <= kHardlyAnyW && q[3] >= kMostly) {
+  if (std::abs(q[0]) < kLittleW && q[3] >= q.head(3).lpNorm<Eigen::Infinity>()) {
     const nlohmann::json& v = *value_;
     problems_->perhaps_w_last.push_back(
         {path_,
-         "is half a turn or nearly so, as quaternions are w, x, y, z here; if x, y, z, w is meant, write " +
+         format("turns by %.3g degrees, as quaternions are w, x, y, z here; if x, y, z, w is meant, write ",
+                2 * std::acos(std::min(1.0, std::abs(q[0]))) / kDegree) +
              nlohmann::json{v[3], v[0], v[1], v[2]}.dump() +
              ", and else an axis with an angle, which says so",
          shown(v)});
@@ -227,6 +231,10 @@ void JsonNode::not_a_choice(const std::vector<std::string>& names) const {
   const std::string given = value_->is_string() ? value_->get<std::string>() : "";
   const std::string known = known_names("must be one of ", names, given, names);
   problem(known.starts_with("; ") ? "is not known" + known : known);
+}
+
+std::string JsonNode::meant_choice(const std::vector<std::string>& names) const {
+  return value_->is_string() ? name_here(value_->get_ref<const std::string&>(), names) : "";
 }
 
 JsonObject::JsonObject(const JsonNode& node) : node_(node), is_object_(node.json().is_object()) {
@@ -264,7 +272,8 @@ std::optional<JsonNode> JsonObject::required(JsonKey key) {
 void JsonObject::missing(const std::vector<std::string>& names, const std::string& message) {
   if (!is_object_) return;
   for (const auto& [key, value] : node_.json().items())
-    if (const std::string other = called_here(key, names); !other.empty() && !known_.contains(key)) {
+    if (const std::string other = called_here(key, names, value.is_array());
+        !other.empty() && !known_.contains(key)) {
       if (reported_.insert(key).second)
         JsonNode(value, child_path(node_.path(), key), node_.problems()).problem("unknown key" + other);
       return;
@@ -309,7 +318,8 @@ void JsonObject::reject_unknown_keys() const {
   for (const auto& [key, value] : node_.json().items())
     if (!known_.contains(key) && !reported_.contains(key))
       JsonNode(value, child_path(node_.path(), key), node_.problems())
-          .problem("unknown key" + known_names("; known here are ", shown_names, key, known));
+          .problem("unknown key" +
+                   known_names("; known here are ", shown_names, key, known, value.is_array()));
 }
 
 }  // namespace taut

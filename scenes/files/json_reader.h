@@ -123,9 +123,24 @@ class JsonNode {
     not_a_choice(names);
     return table[0].second;
   }
+  /// The same, or what others call so, with a problem; nothing of anything else, with a problem.
+  template <typename Value, std::size_t count>
+  std::optional<Value> choice_or_meant(const std::pair<const char*, Value> (&table)[count]) const {
+    const std::size_t before = problems_->size();
+    const Value value = choice(table);
+    if (problems_->size() == before) return value;
+    std::vector<std::string> names;
+    for (const auto& [name, each] : table) names.emplace_back(name);
+    const std::string meant = meant_choice(names);
+    for (const auto& [name, each] : table)
+      if (meant == name) return each;
+    return {};
+  }
   void not_a_choice(const std::vector<std::string>& names) const;
 
  private:
+  /// The name that others have for the string; "" if there is none.
+  std::string meant_choice(const std::vector<std::string>& names) const;
   Eigen::VectorXd of_unit_length(const std::vector<double>& values, std::size_t before) const;
   double number_that(bool (*fits)(double), const char* expected) const;
   void problem_of_core(std::string_view what) const;

@@ -35,6 +35,14 @@ class PairKeys {
     anchors = p;
     return p;
   }
+  /// The same of what lies between two points: both are asked for if none is given.
+  Pair two_points() {
+    for (const char* key : {"anchor", "anchor_a", "anchor_b"})
+      if (object_.find(key)) return points();
+    object_.required("anchor_a");
+    object_.required("anchor_b");
+    return {Vec3::Zero(), Vec3::Zero()};
+  }
   /// A point of B only: "anchor" in the world's frame or "anchor_b".
   Vec3 point_of_b() {
     const Vec3 p = one("anchor", "anchor_b", pose_b_, &JsonNode::vector, local_point);

@@ -70,6 +70,13 @@ FileMass mass_of_shapes(JsonObject& body, const std::vector<FileShape>& shapes) 
 
 namespace {
 
+/// Of shapes with problems: what is wrong with the amount is a problem of its own.
+FileMass unknown_mass(JsonObject& body) {
+  const auto mass = body.find("mass"), density = body.find("density");
+  if (mass || density) (void)body.one_of({"mass", "density"})->positive();
+  return {};
+}
+
 /// From a mass or density with an inertia or a solid.
 FileMass mass_of_keys(JsonObject& body, const std::optional<JsonNode>& mass_node,
                       const std::optional<JsonNode>& density, const std::optional<JsonNode>& inertia,
@@ -104,13 +111,13 @@ FileMass read_mass(JsonObject& body, bool fixed, const std::vector<FileShape>& s
   const auto list = body.find("shapes");
   if (list && !list->json().empty() && !inertia && !shape && !needs_none) {
     const bool sound = shapes.size() == list->json().size();
-    return sound ? mass_of_shapes(body, shapes) : FileMass{};
+    return sound ? mass_of_shapes(body, shapes) : unknown_mass(body);
   }
   for (const FileShape& each : shapes)
     if (each.density) each.density->problem("has no effect, since the mass does not come from the shapes");
   if (needs_none) return {};
   mass_node = body.one_of({"mass", "density"});
-  inertia = body.one_of({"inertia", "shape"}, {"shapes"});
+  inertia = body.one_of({"inertia", "shape"}, {"shapes", "rod", "capsule", "beam"});
   return mass_of_keys(body, mass_node, density, inertia, shape);
 }
 
@@ -118,6 +125,15 @@ Quat read_orientation(const JsonNode& node) {
   if (node.is_array()) return node.quaternion();
   if (!node.json().is_object()) {
     node.problem("must be a quaternion [w, x, y, z], an axis with an angle, or roll, pitch and yaw");
+    return Quat::Identity();
+  }
+  if (const nlohmann::json& by_letters = node.json();
+      by_letters.size() == 4 &&
+      std::ranges::all_of(std::initializer_list<const char*>{"w", "x", "y", "z"}, [&](const char* key) {
+        return by_letters.contains(key) && by_letters[key].is_number();
+      })) {
+    node.problem("a quaternion is a list here, [w, x, y, z]: " +
+                 nlohmann::json{by_letters["w"], by_letters["x"], by_letters["y"], by_letters["z"]}.dump());
     return Quat::Identity();
   }
   JsonObject object(node);
@@ -147,7 +163,8 @@ FileMass mass_of_body(JsonObject& body, bool fixed, const std::optional<BodyByEn
   if (!ends) return read_mass(body, fixed, shapes);
   const auto mass = body.find("mass"), density = body.find("density");
   const bool needs_mass = !fixed || mass || density;
-  return needs_mass && ends->sound ? mass_of_shapes(body, shapes) : FileMass{};
+  if (!needs_mass) return {};
+  return ends->sound ? mass_of_shapes(body, shapes) : unknown_mass(body);
 }
 
 /// Of the frame of the file.

@@ -45,7 +45,7 @@ std::shared_ptr<const Force> read_acceleration(const SceneReader& reader, JsonOb
 
 std::shared_ptr<const Force> read_spring_damper(const SceneReader& reader, JsonObject& force) {
   PairKeys keys(reader, force);
-  const auto p = keys.points();
+  const auto p = keys.two_points();
   AxisSpring law;
   law.table = read_curve(force, "table");
   law.damping_table = read_curve(force, "damping_table");
@@ -70,8 +70,9 @@ void SceneReader::read_force(const JsonNode& node) {
   JsonObject force(node);
   const auto type = force.required("type");
   if (!type) return;
-  const ForceReader read_type = type->choice(kForceTypes);
-  if (problems_.size() != before) return;
+  const auto known_type = type->choice_or_meant(kForceTypes);
+  if (!known_type) return;
+  const ForceReader read_type = *known_type;
   std::shared_ptr<const Force> made;
   knows_all_ = true;
   guard_item(node, before, [&] { made = read_type(*this, force); });

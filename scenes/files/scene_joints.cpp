@@ -49,7 +49,7 @@ std::shared_ptr<const Joint> read_six_dof(PairKeys& k) {
 }
 
 std::shared_ptr<const Joint> read_rope(PairKeys& k) {
-  const auto p = k.points();
+  const auto p = k.two_points();
   const double restitution = k.object().get("restitution", &JsonNode::zero_to_one, 0.0);
   return k.joint<Rope>(p.a, p.b, k.length("length", p, &JsonNode::positive), restitution);
 }
@@ -83,7 +83,7 @@ constexpr std::pair<const char*, JointReader> kJointTypes[] = {
        return k.zeroed(Universal(k.a.id, k.b.id, p.a, axis.a, p.b, axis.b));
      }}},
     {"distance", {[](PairKeys& k) {
-       const auto p = k.points();
+       const auto p = k.two_points();
        return k.joint<Distance>(p.a, p.b, k.length("length", p, &JsonNode::positive));
      }}},
     {"cylindrical", {[](PairKeys& k) {
@@ -166,12 +166,12 @@ void SceneReader::read_joint(const JsonNode& node) {
   const std::string name = free_joint_name(joint);
   const std::size_t before = problems_.size();
   const auto type = joint.required("type");
-  const std::size_t before_type = problems_.size();
-  const JointReader read_type = type ? type->choice(kJointTypes) : JointReader{};
-  if (!type || problems_.size() != before_type) {  // its keys are not known
+  const auto known_type = type ? type->choice_or_meant(kJointTypes) : std::nullopt;
+  if (!known_type) {  // its keys are not known
     misses_joint_ = true;
     return;
   }
+  const JointReader read_type = *known_type;
   for (const char* key : {"axes", "compliance", "break", "attached"}) joint.find(key);
   const bool of_axes = !read_type.pair || (read_type.other && joint.find("points"));
   const auto [made, bodies_found, bodies_placed] = of_axes

@@ -6,11 +6,15 @@
 namespace taut {
 namespace {
 
+/// What the value must be for a name to be a synonym: "from" is a body or a point.
+enum class SynonymOf { kAny, kAllButLists, kLists };
+
 /// What one thing is called elsewhere, in lower case and without '-', '_' and spaces.
 struct Synonyms {
   const char* here;
   std::vector<std::string_view> elsewhere;
   const char* note = "";  ///< what is different about it
+  SynonymOf of = SynonymOf::kAny;
 };
 
 /// The first entry counts whose name is known where the other one is met, so that "ball" is a sphere among
@@ -42,6 +46,9 @@ const std::vector<Synonyms>& synonyms() {
       {"half_space", {"plane", "floor", "infiniteplane", "halfspace"}, ", all that is below its z = 0"},
       {"cylinder", {"disk", "disc", "wheel"}, ", along z"},
       {"rod", {"bar", "stick", "pole", "link", "segment"}, ", along x"},
+      // A body by its ends.
+      {"rod", {"cylinder"}, ", from one end to the other"},
+      {"beam", {"box", "cuboid", "brick", "block"}, ", from one end to the other"},
       {"convex_hull", {"convex", "hull", "polyhedron", "convexmesh"}},
       {"triangle_mesh", {"mesh", "trimesh", "concave", "obj", "stl"}},
       {"height_field", {"heightmap", "terrain", "hfield", "heightfield"}},
@@ -61,8 +68,13 @@ const std::vector<Synonyms>& synonyms() {
       {"lagrangian", {"lagrange", "crba", "eulerlagrange"}},
       {"gauss-seidel", {"pgs", "projectedgaussseidel", "sor", "sequentialimpulse", "iterative"}},
       // Keys.
-      {"a", {"parent", "body1", "bodya", "link1", "base", "from", "predecessor"}},
-      {"b", {"child", "body2", "bodyb", "link2", "follower", "to", "successor"}},
+      {"a",
+       {"parent", "body1", "bodya", "link1", "base", "from", "predecessor"},
+       "",
+       SynonymOf::kAllButLists},
+      {"b", {"child", "body2", "bodyb", "link2", "follower", "to", "successor"}, "", SynonymOf::kAllButLists},
+      {"anchor_a", {"from", "start", "p1", "end1"}, "", SynonymOf::kLists},
+      {"anchor_b", {"to", "end", "p2", "end2"}, "", SynonymOf::kLists},
       {"anchor", {"point", "pivot", "position", "pos", "origin", "location", "center", "centre", "where"}},
       {"anchor_a", {"point1", "pointa", "anchor1", "positiona", "localanchora", "attachment1"}},
       {"anchor_b", {"point2", "pointb", "anchor2", "positionb", "localanchorb", "attachment2"}},
@@ -103,6 +115,12 @@ const std::vector<Synonyms>& synonyms() {
       {"axes",
        {"limits", "limit", "motor", "spring", "friction", "range", "actuator", "damping", "stiffness"},
        ": what acts along a free axis stands there, as in \"axes\": {\"angle\": {\"limits\": {...}}}"},
+      {"axes",
+       {"lower", "upper", "lowerdeg", "upperdeg", "lowerlimit", "upperlimit"},
+       ": limits of a free axis stand there, as in \"axes\": {\"angle\": {\"limits\": {...}}}"},
+      {"limits",
+       {"lower", "upper", "lowerdeg", "upperdeg", "lowerlimit", "upperlimit"},
+       ": both stand there, as in \"limits\": {\"lower\": ..., \"upper\": ...}"},
       {"compliance", {"softness", "flexibility"}},
       {"break", {"breakable", "strength", "breakforce"}},
       {"type", {"kind", "class", "shape", "jointtype"}},
@@ -140,16 +158,27 @@ std::string without_marks(std::string_view name) {
   return result;
 }
 
-}  // namespace
-
-std::string called_here(std::string_view given, const std::vector<std::string>& known) {
+/// Null if none of the known names has another one that is given.
+const Synonyms* entry_of(std::string_view given, const std::vector<std::string>& known, bool is_list) {
   const std::string name = without_marks(given);
   for (const Synonyms& entry : synonyms()) {
+    if (entry.of == (is_list ? SynonymOf::kAllButLists : SynonymOf::kLists)) continue;
     if (std::find(entry.elsewhere.begin(), entry.elsewhere.end(), name) == entry.elsewhere.end()) continue;
-    if (std::find(known.begin(), known.end(), entry.here) == known.end()) continue;
-    return "; \"" + std::string(given) + "\" is called \"" + entry.here + "\" here" + entry.note;
+    if (std::find(known.begin(), known.end(), entry.here) != known.end()) return &entry;
   }
-  return "";
+  return nullptr;
+}
+
+}  // namespace
+
+std::string called_here(std::string_view given, const std::vector<std::string>& known, bool is_list) {
+  const Synonyms* entry = entry_of(given, known, is_list);
+  return entry ? "; \"" + std::string(given) + "\" is called \"" + entry->here + "\" here" + entry->note : "";
+}
+
+std::string name_here(std::string_view given, const std::vector<std::string>& known) {
+  const Synonyms* entry = entry_of(given, known, false);
+  return entry ? entry->here : "";
 }
 
 }  // namespace taut

@@ -9,6 +9,9 @@ namespace taut {
 /// `; "revolute" is called "hinge" here` if the known names have another one for what is meant by the given
 /// name elsewhere, with what else is different in a few words; nothing if they do not.  Upper and lower case,
 /// '-', '_' and spaces make no difference.
-std::string called_here(std::string_view given, const std::vector<std::string>& known);
+/// @param is_list  the name is of a list, such as a point, which no body's name is
+std::string called_here(std::string_view given, const std::vector<std::string>& known, bool is_list = false);
+/// That other one of the known names; "" if there is none.
+std::string name_here(std::string_view given, const std::vector<std::string>& known);
 
 }  // namespace taut

@@ -87,6 +87,8 @@ pugi::xml_node XmlFiles::parse_as_part(std::string_view text, const std::filesys
   file.folder = folder;
   file.lines = line_starts(text);
   const pugi::xml_parse_result parsed = file.document.load_buffer(text.data(), text.size());
+  if (!parsed && text.find("\"taut-scene/") != text.npos)
+    throw ImportError({path.string(), 1}, "is a scene already, which needs no import");
   if (!parsed)
     throw ImportError({path.string(), line_at(file.lines, parsed.offset)},
                       std::string("is no XML: ") + parsed.description());

@@ -5,6 +5,7 @@
 #include "scenes/files/scene_file.h"
 #include "scenes/import/import.h"
 #include "scenes/program/run_command.h"
+#include "scenes/support/format.h"
 #include "scenes/support/output_file.h"
 
 namespace taut {
@@ -16,8 +17,10 @@ int import_command(const std::string& model, const std::string& output) {
   const std::string text = model_scene_text(model, &notices);
   const Scene scene = parse_scene(text, output.empty() ? model : output);
   for (const ImportNotice& notice : notices) std::cerr << notice.text() << '\n';
-  std::cerr << "taut: " << scene.world.moving_body_count() << " moving bodies, " << scene.world.joint_count()
-            << " joints, " << scene.world.shape_count() << " shapes; " << notices.size() << " notices\n";
+  const World& world = scene.world;
+  std::cerr << "taut: " << counted(world.moving_body_count(), "moving body", "moving bodies") << ", "
+            << counted(world.joint_count(), "joint") << ", " << counted(world.shape_count(), "shape") << "; "
+            << counted(static_cast<long long>(notices.size()), "notice") << '\n';
   if (output.empty()) {
     std::cout << text;
     return kExitSuccess;

@@ -183,8 +183,7 @@ std::pair<Scene, SavedMemory> prepared_scene(const RunOptions& options) {
   std::vector<ImportNotice> notices;
   Scene scene = open_scene_or_model(options.scene, options.parameters, &notices);
   if (!notices.empty() && !options.quiet)
-    std::cerr << "taut: " << notices.size() << " kinds of things in " << options.scene
-              << " are not, or not as they are, in the scene; `taut import` lists them\n";
+    std::cerr << "taut: " << notices_in_short(notices.size(), options.scene) << "`taut import` lists them\n";
   if (!is_scene_or_model_file(options.scene))
     scene.name = options.scene;  // `bridge`, not what it is short for
   SavedMemory memory;

@@ -24,8 +24,9 @@ constexpr double kWorthNaming = 1e-3;
 std::string scene_text(const RunRecord& r) {
   std::string text = r.scene;
   for (const auto& [key, value] : r.parameters) text += " " + key + "=" + shortest(value);
-  text += format(": %d bodies, %d joints (%d rows), %.6g s in %lld", r.bodies, r.joints, r.constraint_rows,
-                 r.simulated_time, static_cast<long long>(r.steps));
+  text += ": " + counted(r.bodies, "body", "bodies") + ", " + counted(r.joints, "joint") + " (" +
+          counted(r.constraint_rows, "row") +
+          format("), %.6g s in %lld", r.simulated_time, static_cast<long long>(r.steps));
   if (r.steps < r.steps_asked) text += format(" of %lld", static_cast<long long>(r.steps_asked));
   return text + format(" steps of %.4g s, ", r.dt) + r.integrator;
 }

@@ -6,6 +6,7 @@
 #include "scenes/python/access.h"
 #include "scenes/python/parts.h"
 #include "scenes/python/texts.h"
+#include "scenes/support/format.h"
 
 namespace taut::python {
 namespace {
@@ -36,8 +37,7 @@ void bind_notice(nb::module_& m) {
 /// What the program says of a model that runs, as a warning of Python.
 void warn_of(const std::vector<ImportNotice>& notices, const std::string& file) {
   if (notices.empty()) return;
-  const std::string text = std::to_string(notices.size()) + " kinds of things in " + file +
-                           " are not, or not as they are, in the scene; load_model() lists them";
+  const std::string text = notices_in_short(notices.size(), file) + "load_model() lists them";
   if (PyErr_WarnEx(PyExc_UserWarning, nb::cast<std::string>(decoded(text)).c_str(), 1) != 0)
     throw nb::python_error();
 }

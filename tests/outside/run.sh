@@ -23,6 +23,12 @@ if [ -n "$taut" ]; then
   grep -qF "\"$stage/share/taut/taut-scene.schema.json\"" "$stage/own.json"
   "$taut" schema | cmp - "$stage/share/taut/taut-scene.schema.json"
   "$taut" check "$stage/own.json" >/dev/null
+  # The installed examples name one beside them.
+  for scene in "$stage"/share/taut/examples/*.json; do
+    case $scene in *.schema.json) continue ;; esac
+    named=$(sed -n 's/.*"\$schema": "\([^"]*\)".*/\1/p' "$scene")
+    test -z "$named" || cmp "$stage/share/taut/examples/$named" "$stage/share/taut/taut-scene.schema.json"
+  done
 fi
 
 echo "== CMake"

@@ -285,6 +285,25 @@ TEST(ModelExport, ServosComeBackAsTheyWere) {
   EXPECT_LT(difference(scene, back), 1e-9);
 }
 
+/// Each by its kind and its bodies.
+TEST(ModelExport, ForcesWithoutACounterpartAreNamed) {
+  Scene scene = arm();
+  World& w = scene.world;
+  const BodyId a = w.body("a"), b = w.body("b");
+  w.add_force(SpringDamper(a, b, Vec3::Zero(), Vec3::Zero(), 1, 0, 0));
+  w.add_force(PointForce(a, Vec3::Zero(), Vec3::UnitX()));
+  w.add_force(BodyTorque(b, Vec3::UnitX()));
+  std::vector<std::string> notices;
+  (void)mjcf_of(scene, notices);
+  EXPECT_EQ(notices, (std::vector<std::string>{R"(force 1 (point-force on "a"): has no counterpart)",
+                                               R"(force 2 (torque on "b"): has no counterpart)"}));
+  notices.clear();
+  (void)urdf_of(scene, notices);
+  EXPECT_NE(
+      std::find(notices.begin(), notices.end(), R"(force 0 (spring-damper on "a", "b"): has no counterpart)"),
+      notices.end());
+}
+
 /// A motor that keeps its target is a servo, which is named, and which comes near to it; what else it has is
 /// named.
 TEST(ModelExport, ExactMotorsAreStiffServos) {

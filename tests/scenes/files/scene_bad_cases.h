@@ -80,9 +80,10 @@ inline std::vector<BadScene> bad_top_level() {
 inline std::vector<BadScene> bad_bodies() {
   return {
       {body(R"("inertia": [1, 1, 1])"), "/bodies/0", R"(one of "mass", "density" is missing)", ""},
-      {body(R"("mass": 1)"), "/bodies/0", R"(one of "inertia", "shape", "shapes" is missing)", ""},
-      {body(R"("fixed": true, "mass": 1)"), "/bodies/0", R"(one of "inertia", "shape", "shapes" is missing)",
-       ""},
+      {body(R"("mass": 1)"), "/bodies/0",
+       R"(one of "inertia", "shape", "shapes", "rod", "capsule", "beam" is missing)", ""},
+      {body(R"("fixed": true, "mass": 1)"), "/bodies/0",
+       R"(one of "inertia", "shape", "shapes", "rod", "capsule", "beam" is missing)", ""},
       {body(R"("mass": 0, "inertia": [1, 1, 1])"), "/bodies/0/mass", "must be finite and positive", "0"},
       {body(R"("mass": -1, "inertia": [1, 1, 1])"), "/bodies/0/mass", "must be finite and positive", "-1"},
       {body(R"("mass": 1e400, "inertia": [1, 1, 1])"), "/bodies/0/mass", "must be finite", "inf", false},
@@ -123,6 +124,8 @@ inline std::vector<BadScene> bad_bodies() {
        "must be a quaternion of 4 numbers w, x, y, z", "[1,0,0]"},
       {sound_body(R"("orientation": 0)"), "/bodies/0/orientation",
        "must be a quaternion [w, x, y, z], an axis with an angle, or roll, pitch and yaw", "0"},
+      {sound_body(R"("orientation": {"x": 0.6, "y": 0, "z": 0, "w": 0.8})"), "/bodies/0/orientation",
+       "a quaternion is a list here, [w, x, y, z]: [0.8,0.6,0,0]", R"({"w":0.8,"x":0.6,"y":0,"z":0})"},
       {sound_body(R"("orientation": {"axis": [0, 0, 1]})"), "/bodies/0/orientation",
        R"(one of "angle_deg", "angle_rad" is missing)", ""},
       {sound_body(R"("orientation": {"axis": [0, 0, 0], "angle_deg": 1})"), "/bodies/0/orientation/axis",

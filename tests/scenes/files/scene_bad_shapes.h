@@ -110,7 +110,7 @@ inline std::vector<BadScene> bad_masses_of_shapes() {
       {body(R"("shapes": [)" + heavy + ", " + ball + "]"), "/bodies/0",
        R"(one of "mass", "density" is missing)", ""},
       {body(R"("density": 1, "shapes": [])"), "/bodies/0",
-       R"(one of "inertia", "shape", "shapes" is missing)", ""},
+       R"(one of "inertia", "shape", "shapes", "rod", "capsule", "beam" is missing)", ""},
       {body(R"("mass": 1, "density": 1, "shapes": [)" + ball + "]"), "/bodies/0/density",
        R"(only one of "mass", "density" may be given)", "1"},
       {body(R"("mass": 1, "shapes": [)" + heavy + ", " + ball + "]"), "/bodies/0/mass",

@@ -123,6 +123,16 @@ TEST(SceneErrors, OfABlockThatIsPlacedNowhereHideItsGapsButNoPart) {
             (Lines{"/generate/0/orientation", "/joints/2/a"}));
 }
 
+TEST(SceneErrors, OfAShapeDoNotHideThoseOfTheMass) {
+  const std::string shapes = R"("shapes": [{"type": "box", "size": [1, 1, 0]}])";
+  EXPECT_EQ(problems_of(R"("bodies": [{"mass": -1, )" + shapes + "}]"),
+            (Lines{"/bodies/0/mass", "/bodies/0/shapes/0/size"}));
+  EXPECT_EQ(problems_of(R"("bodies": [{"mass": 1, )" + shapes + "}]"), (Lines{"/bodies/0/shapes/0/size"}));
+  EXPECT_EQ(problems_of(R"("bodies": [{"density": 0, "rod": {"from": [0, 0, 0], "to": [1, 0, 0],
+                        "radius": 0}}])"),
+            (Lines{"/bodies/0/density", "/bodies/0/rod/radius"}));
+}
+
 /// One body with an error, and joints whose gaps are as large as their names say.
 Lines gaps_beside(const std::string& keys) {
   return problems_of(R"("bodies": [

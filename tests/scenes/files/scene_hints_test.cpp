@@ -71,12 +71,16 @@ TEST(SceneHints, QuaternionsWithWAtTheEnd) {
     return R"("bodies": [{"name": "arm", "mass": 1, "inertia": [1, 1, 1], "orientation": )" + q + "}]";
   };
   expect_only(body("[0, 0, 0, 1]"),
-              "/bodies/0/orientation of \"arm\": is half a turn or nearly so, as quaternions are w, x, y, z "
-              "here; if x, "
-              "y, z, w is meant, write [1,0,0,0], and else an axis");
+              "/bodies/0/orientation of \"arm\": turns by 180 degrees, as quaternions are w, x, y, z here; "
+              "if x, y, z, w is meant, write [1,0,0,0], and else an axis");
   expect_only(body("[0, 0, 0.7071, 0.7071]"), "write [0.7071,0,0,0.7071]");
   expect_only(body("[0, 0, 0.3826834, 0.9238795]"), "write [0.9238795,0,0,0.3826834]");
   expect_only(body("[0.05, 0, 0, 0.99875]"), "write [0.99875,0.05,0,0]");
+  expect_only(body("[0.3, 0.2, 0.1, 0.9273618]"), "turns by 145 degrees");
+  expect_only(body("[0.35, 0.5, 0.5, 0.61441029]"), "write [0.61441029,0.35,0.5,0.5]");
+  expect_only(body("[0.5, 0.5, 0.5, 0.5]"), "");
+  expect_only(body("[0.3, 0.2, 0.9273618, 0.1]"), "");
+  expect_only(body("[0.45, 0.2, 0.2, 0.8470537]"), "");
   expect_only(body("[1, 0, 0, 0]"), "");
   expect_only(body("[0.70710678, 0, 0, 0.70710678]"), "");
   expect_only(body("[0, 1, 0, 0]"), "");

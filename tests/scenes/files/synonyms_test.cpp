@@ -83,6 +83,52 @@ TEST(SceneSynonyms, OfKeys) {
   expect_hint(R"("materials": {"ice": {"mu": 0.1}})", "mu", "static_friction");
 }
 
+/// "from" is a body by its name, and a point by its numbers.
+TEST(SceneSynonyms, OfPointsAndOfBodies) {
+  const std::string distance = R"("type": "distance", )";
+  const std::string points = joint(distance + R"("a": "ground", "b": "b", "frame": "world",
+    "from": [5, 0, 0], "to": [0, 0, 0])");
+  expect_hint(points, "from", "anchor_a");
+  expect_hint(points, "to", "anchor_b");
+  EXPECT_EQ(complaints(points).find("missing"), std::string::npos) << complaints(points);
+  const std::string bodies = joint(distance + R"("from": "ground", "to": "b", "frame": "world",
+    "anchor_a": [5, 0, 0], "anchor_b": [0, 0, 0])");
+  expect_hint(bodies, "from", "a");
+  expect_hint(bodies, "to", "b");
+  for (const std::string type : {"distance", "rope"}) {
+    const std::string text = complaints(joint(R"("type": ")" + type + R"(", "a": "ground", "b": "b")"));
+    EXPECT_NE(text.find(R"("anchor_a" is missing)"), std::string::npos) << text;
+    EXPECT_NE(text.find(R"("anchor_b" is missing)"), std::string::npos) << text;
+    EXPECT_EQ(text.find(R"("anchor" is missing)"), std::string::npos) << text;
+  }
+}
+
+TEST(SceneSynonyms, OfBodiesByTheirEnds) {
+  const auto body = [](const std::string& key) {
+    return R"("bodies": [{"mass": 1, ")" + key + R"(": {"from": [0, 0, 0], "to": [1, 0, 0]}}])";
+  };
+  expect_hint(body("cylinder"), "cylinder", "rod");
+  expect_hint(body("box"), "box", "beam");
+}
+
+TEST(SceneSynonyms, OfLimitsOneLevelTooHigh) {
+  const std::string hinge =
+      R"("type": "hinge", "axis": [0, 1, 0], "a": "ground", "b": "b", "anchor": [0, 0, 0], )";
+  for (const std::string key : {"lower", "upper", "lower_deg", "upper_deg"}) {
+    expect_hint(joint(hinge + "\"" + key + "\": 0"), key, "axes");
+    expect_hint(joint(hinge + R"("axes": {"angle": {")" + key + "\": 0}}"), key, "limits");
+  }
+}
+
+/// What is meant by another name is read on: what else is wrong is said at once.
+TEST(SceneSynonyms, OfTypesHideNothing) {
+  const std::string text = complaints(
+      joint(R"("type": "revolute", "a": "ground", "b": "c", "anchor": [0, 0], "axes": {"angle": {"x": 1}})"));
+  for (const char* path : {"/joints/0/type", "/joints/0/b", "/joints/0/anchor", "/joints/0/axes/angle/x",
+                           R"("axis" is missing)"})
+    EXPECT_NE(text.find(path), std::string::npos) << path << "\n" << text;
+}
+
 /// A thing has one name: the others are errors.
 TEST(SceneSynonyms, AreNotAccepted) {
   EXPECT_EQ(complaints(

@@ -9,6 +9,7 @@
 
 #include "scenes/files/scene_file.h"
 #include "scenes/import/imported_model.h"
+#include "scenes/support/format.h"
 #include "solvers/simulator/simulator.h"
 #include "tests/sanitized.h"
 #include "tests/scenes/import/corpus_checker.h"
@@ -313,9 +314,10 @@ TEST(ImportCorpus, LoopsAreClosedTo1e9) {
 /// As `taut import` says it.
 std::string sizes_of(const Scene& scene, const ImportedModel& model) {
   const World& world = scene.world;
-  return "loaded | " + std::to_string(world.moving_body_count()) + " moving bodies, " +
-         std::to_string(world.joint_count()) + " joints, " + std::to_string(world.shape_count()) +
-         " shapes; " + std::to_string(model.notices.size()) + " notices |";
+  return (world.moving_body_count() == 0 ? "loaded, nothing moves | " : "loaded | ") +
+         counted(world.moving_body_count(), "moving body", "moving bodies") + ", " +
+         counted(world.joint_count(), "joint") + ", " + counted(world.shape_count(), "shape") + "; " +
+         counted(static_cast<long long>(model.notices.size()), "notice") + " |";
 }
 
 /// corpus.md says which models load, with sizes and notices, also of those that are not here:
@@ -323,7 +325,7 @@ std::string sizes_of(const Scene& scene, const ImportedModel& model) {
 TEST(ImportCorpus, TheTableSaysWhatLoads) {
   std::ifstream file(testing::model_folder().parent_path() / "corpus.md");
   const std::string table((std::istreambuf_iterator<char>(file)), {});
-  const std::regex row("\\| (mjcf|sdf|urdf)/[^ ]* \\| (loaded|refused) \\| [^|]+ \\|");
+  const std::regex row("\\| (mjcf|sdf|urdf)/[^ ]* \\| (loaded|loaded, nothing moves|refused) \\| [^|]+ \\|");
   EXPECT_EQ(std::distance(std::sregex_iterator(table.begin(), table.end(), row), {}), 341);
   for (const std::string& name : testing::model_files()) {
     std::string said = "refused";

@@ -61,6 +61,7 @@ TEST(RobustImport, ManyOfOneName) {
 TEST(RobustImport, WhatIsNoModelIsRefused) {
   expect_refused("", "is no XML");
   expect_refused("<robot", "is no XML");
+  expect_refused(R"({"format": "taut-scene/1"})", "x.xml:1: is a scene already, which needs no import");
   expect_refused("<html/>", "is none of <robot>, <sdf> and <mujoco>");
   expect_refused("<sdf/>", "has no <model>");
   expect_refused(std::string("<robot>\0</robot>", 16), "x.xml:1");
@@ -118,6 +119,16 @@ TEST(ImportProgram, WritesASceneThatRuns) {
   const testing::Outcome checked = testing::run_program({"check", model});
   EXPECT_NE(checked.out.find("<transmission>: has no counterpart"), std::string::npos) << checked.out;
   EXPECT_EQ(testing::run_program({"import", "none.urdf"}).exit_status, 2);
+  std::ofstream(testing::temporary("one.xml"))
+      << "<mujoco><option timestep='.01' noslip_iterations='1'/><worldbody><body><joint/><geom "
+         "size='.1'/></body>"
+         "</worldbody></mujoco>";
+  const testing::Outcome one = testing::run_program({"import", testing::temporary("one.xml")});
+  EXPECT_NE(one.err.find("taut: 1 moving body, 1 joint, 1 shape; 1 notice\n"), std::string::npos) << one.err;
+  const testing::Outcome run = testing::run_program({"run", testing::temporary("one.xml"), "--steps", "2"});
+  EXPECT_NE(run.err.find("taut: 1 kind of thing in "), std::string::npos) << run.err;
+  EXPECT_NE(run.err.find(" is not, or not as it is, in the scene"), std::string::npos) << run.err;
+  EXPECT_NE(run.out.find(": 1 body, 1 joint (5 rows), "), std::string::npos) << run.out;
 }
 
 }  // namespace

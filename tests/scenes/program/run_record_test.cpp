@@ -49,5 +49,20 @@ TEST(RunRecord, ItsTableSpeaksOfContactsWhereThereAreSome) {
   EXPECT_NE(run_summary(record, "").find("at most 3 contacts"), std::string::npos);
 }
 
+/// Where nothing moves but for round-off, that is no error of 100 %.
+TEST(RunRecord, RoundOffOfNothingIsNoError) {
+  Scene scene;
+  scene.dt = 0.01;
+  scene.world.add_body({.mass = MassProperties(2, Vec3(1, 1, 1))});
+  RunRecord record;
+  record.start(scene, 0, 0);
+  StepReport report = step_of(Status::kSuccess, 0.01, 0);
+  report.kinetic_energy = 6.5e-54;
+  record.add(report, 0.01, {}, 6.5e-54);
+  record.max_unexplained = 6.5e-54;
+  EXPECT_NEAR(record.balance_scale(), 2 * scene.world.gravity().squaredNorm() * 1e-4 / 2, 1e-15);
+  EXPECT_LT(record.relative_unexplained(), 1e-40);
+}
+
 }  // namespace
 }  // namespace taut::run_record_test
