@@ -8,7 +8,7 @@
 #include <queue>
 
 #include "core/base/interruption.h"
-#include "solvers/laws/contact_residual.h"
+#include "solvers/laws/natural_residual.h"
 
 namespace taut {
 namespace {
@@ -22,7 +22,7 @@ using SixRow = Eigen::Map<const Eigen::Matrix<double, 1, 6>>;
 
 ImpulseIteration::ImpulseIteration(ConstraintSystem& system) : system_(system), impulses_(system) {
   const int rows = system.row_count();
-  for (auto* values : {&diagonal_, &target_, &rates_}) values->assign(rows, 0.0);
+  for (auto* values : {&diagonal_, &target_, &scratch_, &answer_}) values->assign(rows, 0.0);
   order_.resize(system.rows().joints().size());
   std::iota(order_.begin(), order_.end(), 0);
 }
@@ -206,9 +206,16 @@ double ImpulseIteration::violation(const Problem& problem, int block) {
             natural_residual(problem.laws[r], diagonal_[r], problem.lambda[r], rate(problem, r)).size);
     return largest.size();
   }
-  for (int r = first; r < first + rows.row_count; ++r) rates_[r] = rate(problem, r);
-  return natural_residual(problem.contacts, block - system_.rows().contact_joint(0), problem.lambda, rates_)
-      .largest();
+  for (int r = first; r < first + rows.row_count; ++r) {
+    const double s = diagonal_[r] > 0 ? diagonal_[r] : 1;
+    scratch_[r] = problem.lambda[r] - (rate(problem, r) - target_[r]) / s;
+  }
+  const auto of_block = [&](std::span<double> values) { return values.subspan(first, rows.row_count); };
+  cones_[block - system_.rows().contact_joint(0)].project(of_block(scratch_), of_block(diagonal_),
+                                                          of_block(answer_));
+  for (int r = first; r < first + rows.row_count; ++r)
+    largest.add(NaturalResidual(diagonal_[r], answer_[r] - problem.lambda[r]).size);
+  return largest.size();
 }
 
 /// The most violated first; an impulse changes what its neighbours ask for.

@@ -84,7 +84,7 @@ class ImpulseIteration {
   ConstraintSystem& system_;
   RowImpulses impulses_;
   std::vector<double> diagonal_;  // S_rr of the bodies that are not held fast
-  std::vector<double> target_, rates_;
+  std::vector<double> target_, scratch_, answer_;
   std::vector<ContactLaws::Cone> cones_;
   std::vector<char> frozen_;        // bodies
   std::vector<int> level_, order_;  // of bodies; blocks by level

@@ -75,6 +75,27 @@ struct ContactCone {
   /// What was given, about the middle of what friction may be with this normal impulse.
   double spin_about(double normal) const { return spin_given + linear.spin_lag * normal; }
   Vec2 rolling_about(double normal) const { return rolling_given + linear.rolling_lag * normal; }
+
+  /// The impulses y that rows of compliance Σ answer to x, one after the other: the nearest one of the
+  /// normal, and in what that allows those of the discs.  All are of the contact's 3 rows, or 6 with `twist`.
+  void project(std::span<const double> x, std::span<const double> sigma, std::span<double> y) const {
+    std::fill(y.begin(), y.end(), 0.0);
+    if (!works) return;
+    const auto in_disc = [&](int r, const Vec2& given, double bound, double part) {
+      const Vec2 tau = into_disc({given[0] + x[r], given[1] + x[r + 1]}, bound, part);
+      y[r] = tau[0] - given[0];
+      y[r + 1] = tau[1] - given[1];
+    };
+    y[0] = std::min(std::max(-normal_given, x[0]), most - normal_given);
+    const double normal = normal_given + y[0];
+    in_disc(1, sliding_given, sliding * std::max(0.0, normal), 0);
+    if (!twist) return;
+    const double spin = spin_about(normal);
+    y[3] = into_interval(spin + x[3], spinning * normal, part_of_slope(linear.spinning * normal, sigma[3])) -
+           spin;
+    in_disc(4, rolling_about(normal), rolling * normal,
+            part_of_slope(linear.rolling * normal, std::max(sigma[4], sigma[5])));
+  }
 };
 
 }  // namespace taut

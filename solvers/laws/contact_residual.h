@@ -1,6 +1,5 @@
 #pragma once
 
-#include <algorithm>
 #include <span>
 
 #include "solvers/laws/contact_rows.h"
@@ -34,11 +33,6 @@ DiscState rolling_state(const ContactRows& contacts, int k, std::span<const doub
 struct ContactResidual {
   NaturalResidual normal, sliding, spinning, rolling;
   NaturalResidual cone;  ///< in place of normal and sliding where it obeys the normality law (stick_search.h)
-
-  /// The size of the largest [√J].
-  double largest() const {
-    return std::max({normal.size, sliding.size, spinning.size, rolling.size, cone.size});
-  }
 };
 /// Of contact k; of one that does not work, 0.
 ContactResidual natural_residual(const ContactRows& contacts, int k, std::span<const double> lambda,
