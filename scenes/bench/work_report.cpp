@@ -130,8 +130,7 @@ std::string work_tables(const BenchResults& results) {
   if (const std::string rows = thread_rows(results.at("profiles")); !rows.empty())
     text +=
         "\n## Threads\n\nTime of a factorisation by one thread over that by several: measured with two, "
-        "where "
-        "small ones are not\nshared, and modelled by the tree of fronts, each of them the work of one "
+        "where small ones are not\nshared, and modelled by the tree of fronts, each of them the work of one "
         "thread.\n\n"
         "| scene | two, measured | two | four | 16 | 64 |\n|---|---|---|---|---|---|\n" +
         rows;

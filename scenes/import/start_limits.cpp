@@ -4,9 +4,9 @@
 #include <cmath>
 #include <map>
 #include <numbers>
-#include <numeric>
 #include <sstream>
 
+#include "core/base/union_find.h"
 #include "core/math/dense.h"
 #include "core/math/so3.h"
 
@@ -97,21 +97,16 @@ class StartSearch {
   LinkAxis& axis(const Place& place) { return axes_of(place.owner)[place.axis]; }
 
   // --- who depends on whom
-  int root_of(int i) const {
-    while (joined_[i] != i) i = joined_[i];
-    return i;
-  }
-  void join(int a, int b) { joined_[std::max(root_of(a), root_of(b))] = std::min(root_of(a), root_of(b)); }
   /// By link: axes of one link are moved together.
   void gather() {
-    joined_.resize(values_.size());
-    std::iota(joined_.begin(), joined_.end(), 0);
+    joined_.reset(static_cast<int>(values_.size()));
     for (std::size_t i = 0; i < model_.loops.size(); ++i)
       if (model_.loops[i].active)
-        for (int link : between(model_.loops[i].a.link, model_.loops[i].b.link)) join(loop_owner(i), link);
+        for (int link : between(model_.loops[i].a.link, model_.loops[i].b.link))
+          joined_.join(loop_owner(i), link);
     for (const AxisRelation& relation : model_.relations)
       for (const auto& from : {relation.driving, relation.other})
-        if (relation.active && from) join(relation.driven.link, from->link);
+        if (relation.active && from) joined_.join(relation.driven.link, from->link);
   }
   /// What a link hangs on.
   int carrier(int link) const { return model_.links[link].free ? kWorld : model_.links[link].parent; }
@@ -132,11 +127,11 @@ class StartSearch {
     std::map<int, Part> result;
     for (int owner = 0; owner < static_cast<int>(values_.size()); ++owner)
       for (int k = 0; k < static_cast<int>(values_[owner].size()); ++k)
-        result[root_of(owner)].axes.push_back({owner, k});
+        result[joined_.find(owner)].axes.push_back({owner, k});
     for (std::size_t i = 0; i < model_.loops.size(); ++i)
-      if (model_.loops[i].active) result[root_of(loop_owner(i))].loops.push_back(&model_.loops[i]);
+      if (model_.loops[i].active) result[joined_.find(loop_owner(i))].loops.push_back(&model_.loops[i]);
     for (const AxisRelation& relation : model_.relations)
-      if (relation.active) result[root_of(relation.driven.link)].relations.push_back(&relation);
+      if (relation.active) result[joined_.find(relation.driven.link)].relations.push_back(&relation);
     return result;
   }
   bool starts_beyond(const Part& part) {
@@ -366,7 +361,7 @@ class StartSearch {
 
   RobotModel& model_;
   std::vector<std::vector<Vec3>> values_;  // by link, and then by loop: of its axes, against the start
-  std::vector<int> joined_;
+  UnionFind joined_;
   bool moved_ = false;
   double open_ = 0;  // how far loops of a part are open at the start, or what is nearly closed
 };

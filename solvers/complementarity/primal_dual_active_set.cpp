@@ -18,13 +18,10 @@ PrimalDualOutcome PrimalDualActiveSet::solve(std::span<const RowLaw> laws, std::
     const Error error = choose_segments(laws, lambda, w, limits.rate_tolerance);
     if (!error.largest.finite()) return outcome;
     const double largest = error.largest.size();
-    double scale = 0;
-    for (std::size_t r = 0; r < lambda.size(); ++r)
-      scale = std::max(scale, std::sqrt(diagonal_[r]) * std::abs(lambda[r]));
-    outcome.residual = error.counted.over(scale);
+    outcome.residual = error.counted.over(error.scale);
     outcome.converged = outcome.residual <= limits.tolerance;
     const bool slow = largest > Tuning::kProgress * last;
-    const bool done = outcome.converged && (slow || largest <= Tuning::kExact * scale);
+    const bool done = outcome.converged && (slow || largest <= Tuning::kExact * error.scale);
     stuck = slow ? stuck + 1 : 0;
     if (done || stuck == Tuning::kStuck || outcome.iterations == limits.iterations) return outcome;
     const bool serves = largest < Tuning::kServes * last;
@@ -53,6 +50,7 @@ PrimalDualActiveSet::Error PrimalDualActiveSet::choose_segments(std::span<const 
     const NaturalResidual off(diagonal_[r], lambda[r] - answer.lambda);
     // Not where λ is: interior points leave all rows between their bounds, also those that slide.
     segments_[r] = answer.segment;
+    error.scale = std::max(error.scale, std::sqrt(diagonal_[r]) * std::abs(lambda[r]));
     error.largest.add(off.size);
     error.counted.add(off.beyond(rate_tolerance));
   }

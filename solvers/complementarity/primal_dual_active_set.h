@@ -71,6 +71,7 @@ class PrimalDualActiveSet {
   /// The natural residual over all rows [√J].
   struct Error {
     LargestResidual largest, counted;  ///< of all rows, and of those beyond the tolerance of rates
+    double scale = 0;                  ///< size of impulses
   };
 
   void begin(std::size_t rows);

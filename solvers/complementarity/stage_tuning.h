@@ -11,8 +11,8 @@ struct StageTuning {
   /// less: bodies that come to rest after an impact are solved inexactly.
   static constexpr int kExactSolves = 2;
   /// Part of the tolerances of positions, over h, and of velocities up to which rates of a stage count as
-  /// right.  Twice: 3 times the factorisations of a card house, and a pile that falls
-  /// asleep sinks in deeper.
+  /// right.  Twice: 3 times the factorisations of a card house, and a pile that falls asleep
+  /// sinks in deeper.
   static constexpr double kRatePart = 0.1;
 
   // What is met, beside the natural residual.

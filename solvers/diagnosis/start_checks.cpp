@@ -75,6 +75,23 @@ double frequency(const World& world, const MassMatrix& mass, const LineSpring& s
   return std::sqrt(std::max(0.0, stiffness * along));
 }
 
+/// Bodies whose deepest contact is beyond what least(contact) says, deepest first.
+template <typename Least>
+std::vector<StartOverlap> overlaps_beyond(const Least& least, const World& world) {
+  std::map<std::pair<BodyId, BodyId>, double> depths;
+  ContactFinder finder({.margin = 0, .threads = 1});
+  for (const Contact& contact : finder.find(world)) {
+    if (!(-contact.gap > least(contact))) continue;
+    double& depth = depths[std::minmax(contact.A, contact.B)];
+    depth = std::max(depth, -contact.gap);
+  }
+  std::vector<StartOverlap> found;
+  for (const auto& [pair, depth] : depths) found.push_back({pair.first, pair.second, depth});
+  std::stable_sort(found.begin(), found.end(),
+                   [](const StartOverlap& a, const StartOverlap& b) { return a.depth > b.depth; });
+  return found;
+}
+
 }  // namespace
 
 ForbiddenVelocity forbidden_velocity(const World& world) {
@@ -135,18 +152,11 @@ std::vector<SpringFrequency> too_fast_springs(const World& world, double h) {
 }
 
 std::vector<StartOverlap> start_overlaps(const World& world) {
-  std::map<std::pair<int, int>, double> depths;
-  ContactFinder finder({.margin = 0, .threads = 1});
-  for (const Contact& contact : finder.find(world)) {
-    if (!(-contact.gap > overlap_depth(world, contact))) continue;
-    double& depth = depths[{contact.A.index, contact.B.index}];
-    depth = std::max(depth, -contact.gap);
-  }
-  std::vector<StartOverlap> found;
-  for (const auto& [pair, depth] : depths) found.push_back({{pair.first}, {pair.second}, depth});
-  std::stable_sort(found.begin(), found.end(),
-                   [](const StartOverlap& a, const StartOverlap& b) { return a.depth > b.depth; });
-  return found;
+  return overlaps_beyond([&](const Contact& contact) { return overlap_depth(world, contact); }, world);
+}
+
+std::vector<StartOverlap> overlaps_deeper_than(double depth, const World& world) {
+  return overlaps_beyond([&](const Contact&) { return depth; }, world);
 }
 
 UnsupportedPairs unsupported_pairs(const World& world) {

@@ -40,6 +40,8 @@ struct StartOverlap {
 /// Those of the present state by more than a hundredth of the radius of gyration of the smaller one, deepest
 /// first.  Steps take them apart at no more than 1 m/s.
 std::vector<StartOverlap> start_overlaps(const World& world);
+/// Those of the present state by more than `depth` [m], deepest first.
+std::vector<StartOverlap> overlaps_deeper_than(double depth, const World& world);
 
 /// Pairs of shapes that may touch and have no law for it: they pass through each other.
 struct UnsupportedPairs {

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <algorithm>
+
 #include "solvers/laws/law_constants.h"
 
 namespace taut {
@@ -12,6 +14,12 @@ struct TangentTuning {
   /// Or to what changes the rate by this part of the tolerance of rates.
   static constexpr double kRatePart = 0.1;
 };
+
+/// By how much an impulse of this size may be off its curve [N·s or N·m·s].
+inline double tangent_tolerance(double size, double rate_tolerance, double effective_mass) {
+  return std::max(TangentTuning::kTolerance * size,
+                  TangentTuning::kRatePart * rate_tolerance * effective_mass);
+}
 
 /// Impulse of a kick over the rate, λ = level − slope w.
 struct ImpulseLine {

@@ -37,8 +37,8 @@ struct AssemblyTree {
 };
 
 /// Modelled time of one front [ns]: merging a child with its parent costs arithmetic with zeros, and saves
-/// the child's overhead and the passing on of its contribution.  Fitted to
-/// measurements.  For merging only ratios matter; thresholds of orders and of threads are in these units.
+/// the child's overhead and the passing on of its contribution.  Fitted to measurements.
+/// For merging only ratios matter; thresholds of orders and of threads are in these units.
 struct FrontCost {
   double per_front = 60.0;
   double per_tile = 50.0;               ///< four pivots, which wait for each other

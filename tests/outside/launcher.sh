@@ -27,11 +27,11 @@ cat >first/CMakePresets.json <<'END'
 {"version": 6, "configurePresets": [{"name": "release", "binaryDir": "${sourceDir}/build/release"}]}
 END
 # A clock may be coarse: what is written later is made to look so.
-minutes=0
+seconds=0
 say() { # FOLDER WORD  The program of this folder prints the word from now on.
   printf '#include <stdio.h>\nint main(int n, char** words) { return printf("%s %%s\\n", words[n - 1]) < 0; }\n' "$2" >"$1/main.c"
-  minutes=$((minutes + 1))
-  touch -d "+$minutes seconds" "$1/main.c"
+  seconds=$((seconds + 1))
+  touch -d "+$seconds seconds" "$1/main.c"
 }
 expect() { # FOLDER TEXT
   said=$("$1/taut" list 2>"$work/errors") || { cat "$work/errors" && exit 1; }

@@ -8,12 +8,6 @@
 namespace taut {
 namespace {
 
-/// Chosen, where nothing else is said.
-struct AxisServoTuning {
-  /// Impulses are right to this part of themselves, as those of tangents.
-  static constexpr double kTolerance = 1e-11;
-};
-
 /// Slope of a spring and damper beyond the midpoint rule, so that what is stiffer than the step resolves
 /// comes to rest at its target.
 double excess_of(double stiffness, double h, double effective_mass) {
@@ -101,9 +95,7 @@ bool AxisServoLaw::move(const AxisProperties& p, const AxisStep&, const AxisStar
   if (!p.motor || !p.motor->has_gains()) return false;
   const double there = held(w), given = at_present().at(w);
   const double size = std::max(std::abs(there), std::abs(given));
-  if (std::abs(there - given) <= std::max(AxisServoTuning::kTolerance * size,
-                                          TangentTuning::kRatePart * rate_tolerance * start.effective_mass))
-    return false;
+  if (std::abs(there - given) <= tangent_tolerance(size, rate_tolerance, start.effective_mass)) return false;
   tangent.move(w, rate_tolerance);
   return true;
 }

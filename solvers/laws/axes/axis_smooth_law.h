@@ -138,9 +138,8 @@ struct AxisSmoothLaw : AxisPartLaw {
     const ImpulseLine there = line(*property, step, start, w);
     const double off = std::abs(there.level - given),
                  known = AxisSmoothTuning::kRoundOff * std::abs(given) / start.effective_mass;
-    if (off <= std::max({TangentTuning::kTolerance * std::abs(given),
-                         TangentTuning::kRatePart * rate_tolerance * start.effective_mass,
-                         known * (start.effective_mass + there.slope)}))
+    if (off <= std::max(tangent_tolerance(std::abs(given), rate_tolerance, start.effective_mass),
+                        known * (start.effective_mass + there.slope)))
       return false;
     const bool is_far = std::abs(w - tangent) > AxisSmoothTuning::kFar * std::abs(w);
     const double next = is_far ? rate_alone(*property, step, start, w - given / start.effective_mass, w) : w;

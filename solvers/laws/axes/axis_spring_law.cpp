@@ -169,7 +169,7 @@ void AxisSpringLaw::set_single_kick(const AxisStage& stage) {
 /// Impulses of the curves at w are those of the tangents, to TangentTuning::kTolerance or `tolerance` [N·m·s
 /// or N·s].
 bool AxisSpringLaw::are_tangents_right(const AxisProperties& p, const AxisStep& step, const AxisStart& start,
-                                       double w, double tolerance) const {
+                                       double w, double rate_tolerance) const {
   double off = 0, size = 0;
   const auto compare = [&](const ImpulseLine& there, double given) {
     off = std::max(off, std::abs(there.at(w) - given));
@@ -186,7 +186,7 @@ bool AxisSpringLaw::are_tangents_right(const AxisProperties& p, const AxisStep& 
     const Curve& table = *p.spring->damping_table;
     compare(damper_tangent(table, step, start, w), damper_tangent(table, step, start, tangents.rate).at(w));
   }
-  return off <= std::max(TangentTuning::kTolerance * size, tolerance);
+  return off <= tangent_tolerance(size, rate_tolerance, start.effective_mass);
 }
 
 /// Newton's method for the impulses of tables and soft limits, which fall with the rate: if a solution with
@@ -194,9 +194,7 @@ bool AxisSpringLaw::are_tangents_right(const AxisProperties& p, const AxisStep& 
 /// goes.
 bool AxisSpringLaw::move(const AxisProperties& p, const AxisStep& step, const AxisStart& start, double w,
                          double rate_tolerance) {
-  if (!is_curved(p) ||
-      are_tangents_right(p, step, start, w, TangentTuning::kRatePart * rate_tolerance * start.effective_mass))
-    return false;
+  if (!is_curved(p) || are_tangents_right(p, step, start, w, rate_tolerance)) return false;
   tangents.move(w, rate_tolerance);
   return true;
 }

@@ -73,7 +73,7 @@ struct AxisSpringLaw : AxisPartLaw {
   void set_single_kick(const AxisStage& stage);
   void set_damper(const AxisStage& stage);
   bool are_tangents_right(const AxisProperties& p, const AxisStep& step, const AxisStart& start, double w,
-                          double tolerance) const;
+                          double rate_tolerance) const;
 };
 
 }  // namespace taut
