@@ -41,8 +41,10 @@ struct ActiveSetTuning {
   static constexpr double kPassProgress = 0.5;
   /// Sweeps of Gauss–Seidel before each minimisation of the descent.
   static constexpr int kSweeps = 2;
+  /// Minimisations of the descent, at most.
+  static constexpr int kMostDescents = 1000;
   /// Bisections of its line search: to round-off.
-  static constexpr int kHalvings = 60;
+  static constexpr int kBisections = 60;
   /// Columns of an update of the factor in place of a new one: the first number, and one more for every so
   /// many flops per entry of L.  Measured: a factorisation costs 6 back-solves for chains (9 flops per
   /// entry), 8 to 10 for nets (30 to 80); a column costs a little more than its back-solve.
@@ -58,8 +60,8 @@ struct ActiveSetSettings {
   bool update_factor = true;  ///< a few changed rows go through RowUpdates instead of a new factor
   /// Impulses in the null space of dependent rows stay as in the guess, instead of those of least norm.
   bool keep_null_space = false;
-  int max_rounds = -1;            ///< of pivoting; −1: 60, and one more for every fourth bounded row
-  int max_descent_rounds = 1000;  ///< of the fall-back
+  int max_rounds = -1;  ///< of pivoting; −1: 60, and one more for every fourth bounded row
+  int max_descent_rounds = ActiveSetTuning::kMostDescents;  ///< of the fall-back
 };
 
 /// How one solve went.

@@ -90,7 +90,7 @@ std::pair<double, double> ActiveSet::line_search(const Problem& problem) const {
     stays = decision_[r] == 0 || segments_[r] == problem.laws[r].segment_at(start_lambda_[r] + decision_[r]);
   if (stays || derivative(1) <= 0) return {1, 1};
   double low = 0, high = 1;
-  for (int i = 0; i < Tuning::kHalvings; ++i) {
+  for (int i = 0; i < Tuning::kBisections; ++i) {
     const double middle = 0.5 * (low + high);
     (derivative(middle) <= 0 ? low : high) = middle;
   }

@@ -92,7 +92,7 @@ void ContactIslands::find() {
   }
   std::vector<int> with_first_body(system_.rows().body_count(), -1);
   for (std::size_t i = 0; i < islands_.size(); ++i)
-    if (islands_[i]->own) with_first_body[islands_[i]->first_body] = static_cast<int>(i);
+    if (islands_[i]->system) with_first_body[islands_[i]->first_body] = static_cast<int>(i);
   std::vector<std::unique_ptr<Island>> found;
   for (SystemPart& part : parts) {
     auto island = std::make_unique<Island>(contacts_, std::move(part));
@@ -133,16 +133,16 @@ bool ContactIslands::Island::is_like(const Island& other) const {
 }
 
 void ContactIslands::make(Island& island, std::vector<int>& scratch) {
-  island.own = std::make_unique<ConstraintSystem>(system_, island.part, scratch);
-  island.solver.emplace(*island.own, island.contacts);
+  island.system = std::make_unique<ConstraintSystem>(system_, island.part, scratch);
+  island.solver.emplace(*island.system, island.contacts);
 }
 
 /// Rows of the island from those of the whole.
 StageProblem ContactIslands::gather(Island& island, const StageProblem& whole, std::vector<int>& scratch) {
   const SystemPart& part = island.part;
-  if (!island.own) make(island, scratch);
-  if (island.weight_version < 0) island.contacts.choose(part.slots, island.own->rows());
-  if (island.weight_version != system_.weight_version()) island.own->take_values(system_, part);
+  if (!island.system) make(island, scratch);
+  if (island.weight_version < 0) island.contacts.choose(part.slots, island.system->rows());
+  if (island.weight_version != system_.weight_version()) island.system->take_values(system_, part);
   island.weight_version = system_.weight_version();
   pick(whole.laws, part.rows, island.laws);
   pick(whole.b, part.rows, island.b);
@@ -170,7 +170,7 @@ bool ContactIslands::solve(const StageProblem& problem, ContactLimits limits, St
   for (const auto& island : islands_) {
     put(island->lambda, island->part.rows, problem.lambda);
     put(island->w, island->part.rows, problem.w);
-    system_.take_counters(*island->own);
+    system_.take_counters(*island->system);
     record.add(island->record);
     done = done && island->done;
   }

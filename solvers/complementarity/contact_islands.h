@@ -45,12 +45,12 @@ class ContactIslands {
     bool is_like(const Island& other) const;
 
     SystemPart part;
-    int first_body = -1;                    // that moves
-    std::vector<Rows::ContactSlot> pairs;   // of the slots
-    std::unique_ptr<ConstraintSystem> own;  // made when it is first solved
+    int first_body = -1;                       // that moves
+    std::vector<Rows::ContactSlot> pairs;      // of the slots
+    std::unique_ptr<ConstraintSystem> system;  // made when it is first solved
     ContactLaws contacts;
     std::optional<ContactSolver> solver;
-    long weight_version = -1;  // of the whole, whose values `own` has
+    long weight_version = -1;  // of the whole, whose values `system` has
     std::vector<RowLaw> laws;
     std::vector<double> b, effective_mass, lambda, w;
     StageRecord record;

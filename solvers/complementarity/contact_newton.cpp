@@ -149,7 +149,7 @@ bool ContactNewton::holds_joints(std::span<const RowLaw> laws, std::span<const d
   double open = 0;
   for (int r = 0; r < system_.rows().first_contact_row(); ++r)
     if (!laws[r].bounded()) open = std::max(open, std::abs(w[r] - laws[r].rate(1)));
-  return open <= Tuning::kClosed * rate_tolerance;
+  return open <= Tuning::kEqualityRates * rate_tolerance;
 }
 
 /// The natural residual at λ, with its w, over the size of impulses; infinite if λ is.  What is left of

@@ -20,7 +20,7 @@ namespace taut {
 /// rates below `rate_tolerance` [m/s or rad/s] do not count.
 struct NewtonLimits {
   double tolerance = ResidualTuning::kMet, most = ResidualTuning::kMetByContacts, rate_tolerance = 0;
-  int iterations = 500;
+  int iterations = ContactNewtonTuning::kMostSteps;
   /// Ends where rounds no longer lower the slip of contacts that share a load: they do not hold.
   bool holding = false;
 };

@@ -35,10 +35,12 @@ struct ContactNewtonTuning {
   static constexpr double kSlope = 0.5;
 
   // Ends of the method.
+  /// Newton steps at most.
+  static constexpr int kMostSteps = 500;
   /// Rounds after which equalities are met, as far as they can be: what they leave does not count.
   static constexpr int kEqualityRounds = 3;
   /// Before `most` is enough in any case, equalities are to be met to so many times the tolerance of rates.
-  static constexpr double kClosed = 9;
+  static constexpr double kEqualityRates = 9;
   /// Rounds that leave more than this of the residual are slow, after so many: then `most` is enough.
   static constexpr double kSlowRound = 0.3;
   static constexpr int kFirstRounds = 3;

@@ -59,7 +59,7 @@ IterationOutcome ImpulseIteration::solve(const ContactLaws& contacts, std::span<
 }
 
 /// S_rr of the bodies that are not held fast.
-double ImpulseIteration::own(int row) const {
+double ImpulseIteration::diagonal_of(int row) const {
   const double* W = system_.weighted().data();
   double sum = 0;
   for (const RowImpulses::Side& side : impulses_.sides(row))
@@ -299,7 +299,7 @@ void ImpulseIteration::propagate(const Problem& problem) {
     if (level == std::numeric_limits<int>::max()) return;  // nothing holds these
     for (std::size_t k = from; k < to; ++k) {
       const Rows::JointRows& joint = rows.joints()[order_[k]];
-      for (int r = joint.first_row; r < joint.first_row + joint.row_count; ++r) diagonal_[r] = own(r);
+      for (int r = joint.first_row; r < joint.first_row + joint.row_count; ++r) diagonal_[r] = diagonal_of(r);
     }
     for (int pass = 0; pass < Tuning::kLevelSweeps; ++pass)
       for (std::size_t k = from; k < to; ++k)

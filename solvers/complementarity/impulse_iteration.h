@@ -16,7 +16,7 @@ struct ImpulseIterationTuning {
   static constexpr int kLevelSweeps = 10;
   /// Joints of more rows are solved row by row: blocks of fixed capacity.
   static constexpr int kMostRows = 6;
-  /// Part of S added to the diagonal of a joint's own block, whose rows may depend on each other.
+  /// Part of S added to the diagonal of a joint's diagonal_of block, whose rows may depend on each other.
   static constexpr double kShift = 1e-12;
 };
 
@@ -67,7 +67,7 @@ class ImpulseIteration {
   };
 
   double rate(const Problem& problem, int row) const { return impulses_.rate(row, problem.b[row]); }
-  double own(int row) const;
+  double diagonal_of(int row) const;
   void change(const Problem& problem, int row, double by);
   double next_of(const Problem& problem, int row) const;
   double relax_row(const Problem& problem, int row);

@@ -18,12 +18,14 @@ struct InteriorPointTuning {
   /// Part of the way to the boundary that is gone.  Half: 3.5 times the factorisations of a net with
   /// friction; twice fails.
   static constexpr double kInside = 0.995;
+  /// Steps at most, a factorisation each.
+  static constexpr int kMostSteps = 60;
 };
 
 /// When it ends.
 struct InteriorLimits {
   double tolerance = ResidualTuning::kMet;  ///< of the natural residual over the size of impulses
-  int iterations = 60;
+  int iterations = InteriorPointTuning::kMostSteps;
 };
 
 /// How it went.

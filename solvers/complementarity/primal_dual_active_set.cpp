@@ -36,7 +36,7 @@ void PrimalDualActiveSet::begin(std::size_t rows) {
   v_.assign(6 * static_cast<std::size_t>(system_.rows().body_count()), 0.0);
   segments_.resize(rows);
   system_.effective_masses(diagonal_);
-  for (double& own : diagonal_) own = delassus_diagonal(own);
+  for (double& s : diagonal_) s = delassus_diagonal(s);
 }
 
 /// The segments that each row by itself would take, and how far λ is from them.

@@ -16,12 +16,12 @@ GaussSeidelOutcome ProjectedGaussSeidel::solve(std::span<const RowLaw> laws, std
     outcome.residual = 0;
     for (std::size_t r = 0; r < lambda.size(); ++r) {
       const int row = static_cast<int>(r);
-      const double own = impulses_.diagonal(row), w = impulses_.rate(row, b[r]);
-      const double next = laws[r].project(own, lambda[r], w);
+      const double diagonal = impulses_.diagonal(row), w = impulses_.rate(row, b[r]);
+      const double next = laws[r].project(diagonal, lambda[r], w);
       const double change = next - lambda[r];
       lambda[r] = next;
       impulses_.add(row, change);
-      outcome.residual = std::max(outcome.residual, NaturalResidual(own, change).size);
+      outcome.residual = std::max(outcome.residual, NaturalResidual(diagonal, change).size);
     }
     ++outcome.sweeps;
     outcome.converged = outcome.residual <= tolerance;

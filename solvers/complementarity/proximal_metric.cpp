@@ -12,13 +12,13 @@ void ProximalMetric::begin(int rows) {
 }
 
 void ProximalMetric::set(const Rows& rows, const ContactProblem& problem, double rho) {
-  const std::span<const double> own = problem.diagonal;
+  const std::span<const double> diagonal = problem.diagonal;
   for (int r = 0; r < rows.first_contact_row(); ++r)
-    sigma_[r] = (problem.laws[r].bounded() ? rho : ContactNewtonTuning::kEqualityRho) * own[r];
+    sigma_[r] = (problem.laws[r].bounded() ? rho : ContactNewtonTuning::kEqualityRho) * diagonal[r];
   for (int k = 0; k < rows.contact_count(); ++k) {
     const int row = problem.contacts.first_row(k);
     const auto alike = [&](int from, int count) {
-      const double most = *std::max_element(own.begin() + from, own.begin() + from + count);
+      const double most = *std::max_element(diagonal.begin() + from, diagonal.begin() + from + count);
       std::fill_n(sigma_.begin() + from, count, rho * most);
     };
     const ContactLaws::Cone cone = problem.contacts.cone(k);

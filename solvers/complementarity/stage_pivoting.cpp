@@ -68,8 +68,8 @@ void StagePivoting::take_segments(const StageSolution& solution) {
   }
   segments_scratch_.resize(lambda.size());
   for (std::size_t r = 0; r < lambda.size(); ++r) {
-    const double own = 1 / effective_mass[r];
-    segments_scratch_[r] = laws[r].resolve(own, w[r] - own * lambda[r]).segment;
+    const double diagonal = 1 / effective_mass[r];
+    segments_scratch_[r] = laws[r].resolve(diagonal, w[r] - diagonal * lambda[r]).segment;
   }
   active_->set_segments(segments_scratch_, laws);
 }

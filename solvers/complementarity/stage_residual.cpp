@@ -60,24 +60,25 @@ double StageResidual::scale(const StageSolution& solution) const {
   const auto& [laws, b, effective_mass, lambda, w] = solution;
   double scale = 0;
   for (int r = 0; r < system_.row_count(); ++r) {
-    const double root = effective_mass[r] > 0 ? std::sqrt(effective_mass[r]) : 1;
-    scale = std::max({scale, std::abs(lambda[r]) / root, std::abs(b[r]) * root});
+    const double root_mass = effective_mass[r] > 0 ? std::sqrt(effective_mass[r]) : 1;
+    scale = std::max({scale, std::abs(lambda[r]) / root_mass, std::abs(b[r]) * root_mass});
   }
   for (const Rows::AxisRow& axis : system_.rows().axis_rows()) {
     const int r = axis.row;
-    const double root = effective_mass[r] > 0 ? std::sqrt(effective_mass[r]) : 1, own = 1 / (root * root);
-    const RowLaw::Point answer = laws[r].resolve(own, w[r] - own * lambda[r]);
-    if (RowLaw::is_vertical(answer.segment)) scale = std::max(scale, root * std::abs(answer.w));
+    const double root_mass = effective_mass[r] > 0 ? std::sqrt(effective_mass[r]) : 1,
+                 diagonal = 1 / (root_mass * root_mass);
+    const RowLaw::Point answer = laws[r].resolve(diagonal, w[r] - diagonal * lambda[r]);
+    if (RowLaw::is_vertical(answer.segment)) scale = std::max(scale, root_mass * std::abs(answer.w));
   }
   return scale;
 }
 
 double StageResidual::of_row(int r, const StageSolution& solution, double scale, const Noise& noise) const {
   const auto& [laws, b, effective_mass, lambda, w] = solution;
-  const double own = delassus_diagonal(effective_mass[r]), root = 1 / std::sqrt(own);
-  const double off = natural_residual(laws[r], own, lambda[r], w[r]).size;
+  const double diagonal = delassus_diagonal(effective_mass[r]), root_mass = 1 / std::sqrt(diagonal);
+  const double off = natural_residual(laws[r], diagonal, lambda[r], w[r]).size;
   const double least =
-      root * (system_.rows().row(r).angular ? noise.angular : noise.linear) / ResidualTuning::kMet;
+      root_mass * (system_.rows().row(r).angular ? noise.angular : noise.linear) / ResidualTuning::kMet;
   return off == 0 ? 0 : off / std::max(scale, least);  // of a world at rest without loads all three are
 }
 

@@ -128,8 +128,8 @@ bool StageSolver::iterate(const Stage& stage, int sweeps, double rate_tolerance,
   rates_without(stage);
   double least = 0;  // √ of the least effective mass: a tolerance for impulses
   for (int r = 0; r < model_.system.row_count(); ++r) {
-    const double root = std::sqrt(effective_mass_[r]);
-    if (effective_mass_[r] > 0) least = least > 0 ? std::min(least, root) : root;
+    const double root_mass = std::sqrt(effective_mass_[r]);
+    if (effective_mass_[r] > 0) least = least > 0 ? std::min(least, root_mass) : root_mass;
   }
   const Settings& settings = model_.settings;
   const IterationLimits limits{settings.solver, sweeps, settings.relaxation, rate_tolerance * least};

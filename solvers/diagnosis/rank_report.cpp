@@ -71,12 +71,12 @@ std::vector<JointId> find_holders(const World& world, ConstraintSystem& system,
     double& s = share[joint_of(system, r).index];
     s = std::max(s, std::abs(c[r]) / std::sqrt(effective_mass[r]));
   }
-  const int own = joint_of(system, row).index;
+  const int joint = joint_of(system, row).index;
   const double largest = max_abs(share);
   std::vector<JointId> holders;
   for (int j = 0; j < world.joint_count(); ++j)
-    if (share[j] > RankReportTuning::kRowShare * largest && j != own) holders.push_back({j});
-  if (holders.empty() && share[own] > 0) return {{own}};  // its other rows
+    if (share[j] > RankReportTuning::kRowShare * largest && j != joint) holders.push_back({j});
+  if (holders.empty() && share[joint] > 0) return {{joint}};  // its other rows
   std::stable_sort(holders.begin(), holders.end(),
                    [&](JointId a, JointId b) { return share[a.index] > share[b.index]; });
   return holders;

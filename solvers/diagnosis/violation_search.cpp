@@ -14,7 +14,7 @@ namespace {
 /// "Contradiction")
 struct SearchTuning {
   /// Demands are met within this [m or rad]: a hundred times what a step closes them to.
-  static constexpr double kClosed = 1e-8;
+  static constexpr double kMet = 1e-8;
   /// Steps at most.
   static constexpr int kMostSteps = 80;
   /// |Wᵀ D c| / √2f at which demands balance, and at which they do if the search comes no further.
@@ -67,12 +67,12 @@ ViolationSearch::Verdict ViolationSearch::search(std::span<const char> wanted) {
   largest_ = trial_largest_;
   for (int k = 0; k < SearchTuning::kMostSteps; ++k) {
     if (!std::isfinite(f_)) return Verdict::kUnknown;
-    if (largest_ <= SearchTuning::kClosed) return Verdict::kHolds;
+    if (largest_ <= SearchTuning::kMet) return Verdict::kHolds;
     gather();
     if (steepness_ <= SearchTuning::kBalance) return Verdict::kExcluded;
     if (!step()) break;
   }
-  if (largest_ <= SearchTuning::kClosed) return Verdict::kHolds;
+  if (largest_ <= SearchTuning::kMet) return Verdict::kHolds;
   return steepness_ <= SearchTuning::kNearBalance ? Verdict::kExcluded : Verdict::kUnknown;
 }
 

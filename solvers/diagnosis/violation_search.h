@@ -27,7 +27,7 @@ struct Demand {
 class ViolationSearch {
  public:
   enum class Verdict {
-    kHolds,     ///< all demands are met to SearchTuning::kClosed
+    kHolds,     ///< all demands are met to SearchTuning::kMet
     kExcluded,  ///< they are not, and balance
     kUnknown,   ///< neither was reached
   };

@@ -104,7 +104,7 @@ class Linearisation {
   void append(int b, const Vector& g, double gamma, double rho) {
     const auto& block = problem_.blocks()[b];
     const auto columns = problem_.columns(block.first);
-    const int own = problem_.diagonal(block);
+    const int diagonal = problem_.diagonal(block);
     std::array<std::span<const double>, 3> W;
     for (int i = 0; i < block.size; ++i) W[i] = problem_.values(block.first + i);
     for (int i = 0; i < block.size; ++i) {
@@ -117,7 +117,7 @@ class Linearisation {
           right += value * g[columns[k]];
           continue;
         }
-        if (const int j = static_cast<int>(k) - own; j >= 0 && j < block.size)
+        if (const int j = static_cast<int>(k) - diagonal; j >= 0 && j < block.size)
           value += (i == j ? 1 : 0) + (gamma * rho - 1) * D_[b](i, j);
         matrix_.column.push_back(row_[columns[k]]);
         matrix_.values.push_back(value);

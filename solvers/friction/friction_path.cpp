@@ -31,8 +31,8 @@ struct FrictionPathTuning {
   /// Steps of log τ are no longer than a limit that doubles with each that is taken at once, and falls to
   /// what one that is not has come to: at first, at most, at least.
   static constexpr double kFirstStep = 0.7, kMostStep = 2, kLeastStep = 1e-3;
-  /// From this τ on Newton is tried at each tenth of it.
-  static constexpr double kFirstTry = 1e-3;
+  /// From the first τ on Newton is tried, and again at each τ that is so many times less.
+  static constexpr double kFirstTry = 1e-3, kTriesApart = 10;
   /// τ at the end, if Newton has not found one.
   static constexpr double kLastTau = 1e-14;
 };
@@ -147,7 +147,7 @@ Vector follow_path(const ScaledFriction& problem, BestImpulses& best) {
       nearest = r;
     }
     if (const double tau = path.now().tau(); tau < next_try) {
-      next_try = tau / 10;
+      next_try = tau / Tuning::kTriesApart;
       kNewtonOnTheWay.solve(problem, r, best);
     }
     if (best.met() || !path.step(best)) break;

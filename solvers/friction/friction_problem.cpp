@@ -110,7 +110,7 @@ FrictionErrors friction_errors(const FrictionProblem& problem, const Eigen::Vect
   require_entries("r", r.size(), problem.rows());
   require_all_finite("r", r);
   const ScaledFriction scaled(problem);
-  FrictionErrors errors = scaled.errors(scaled.own(r));
+  FrictionErrors errors = scaled.errors(scaled.scale(r));
   // Tangents of contacts without friction are not among the unknowns.
   for (int k = 0; k < problem.contacts(); ++k)
     if (problem.mu[k] < ScaledFrictionTuning::kNoFriction)

@@ -114,7 +114,7 @@ Vector into_null_cone(const FrictionProblem& problem, const Vector& units, Vecto
     spent.factorisations += best.factorisations;
     spent.sweeps += best.sweeps;
     const double size = direction.norm();
-    direction = LadderTuning::kProbeCompliance * scaled.given(best.r()).cwiseProduct(units);
+    direction = LadderTuning::kProbeCompliance * scaled.unscale(best.r()).cwiseProduct(units);
     if (direction.norm() <= LadderTuning::kNothingLeft * size) return Vector::Zero(problem.rows());
   }
   return direction.cwiseQuotient(units);
@@ -143,7 +143,7 @@ FrictionResult solve_friction(const FrictionProblem& problem, const FrictionSett
   if (guess) {
     if (guess->size() != problem.rows()) fail("guess", "must have an entry for each row", guess->size());
     require_all_finite("guess", *guess);
-    start = scaled.own(*guess);
+    start = scaled.scale(*guess);
     best.offer(start);
   }
   for (const Rung& rung : kRungs) {
@@ -161,7 +161,7 @@ FrictionResult solve_friction(const FrictionProblem& problem, const FrictionSett
     result.status = FrictionStatus::kSolved;
   else if (result.certificate)
     result.status = FrictionStatus::kNoSolution;
-  result.r = scaled.given(best.r());
+  result.r = scaled.unscale(best.r());
   result.errors = best.errors();
   result.factorisations = best.factorisations;
   result.sweeps = best.sweeps;

@@ -33,7 +33,7 @@ Eigen::VectorXd sweep(const ScaledFriction& problem, Eigen::VectorXd r, int time
   using Law = ScaledFriction::Law;
   const auto& blocks = problem.blocks();
   const int count = static_cast<int>(blocks.size());
-  std::vector<Mat3> own(count);
+  std::vector<Mat3> diagonal(count);
   std::vector<double> step(count);
   for (int b = 0; b < count; ++b) {
     if (blocks[b].law != Law::kCone) {
@@ -41,9 +41,10 @@ Eigen::VectorXd sweep(const ScaledFriction& problem, Eigen::VectorXd r, int time
       step[b] = w > 0 ? 1 / w : 0;
       continue;
     }
-    own[b] = problem.own_matrix(blocks[b]);
+    diagonal[b] = problem.diagonal_block(blocks[b]);
     // Two bounds of its largest eigenvalue.
-    const double rows = own[b].cwiseAbs().rowwise().sum().maxCoeff(), bound = std::min(own[b].trace(), rows);
+    const double rows = diagonal[b].cwiseAbs().rowwise().sum().maxCoeff(),
+                 bound = std::min(diagonal[b].trace(), rows);
     step[b] = bound > 0 ? 1 / bound : 0;
   }
   const auto rate = [&](int row) {
@@ -59,7 +60,7 @@ Eigen::VectorXd sweep(const ScaledFriction& problem, Eigen::VectorXd r, int time
       const auto& [law, first, size, mu] = blocks[b];
       if (law == Law::kCone) {
         const Vec3 u(rate(first), rate(first + 1), rate(first + 2));
-        r.segment<3>(first) = one_contact(own[b], step[b], mu, r.segment<3>(first), u);
+        r.segment<3>(first) = one_contact(diagonal[b], step[b], mu, r.segment<3>(first), u);
       } else {
         const double x = r[first] - step[b] * rate(first);
         r[first] = law == Law::kEquality ? x : std::max(0.0, x);

@@ -150,14 +150,14 @@ void InteriorNewton::assemble() {
     const Mat3 more = block.law == Law::kEquality
                           ? Mat3(InteriorPointsTuning::kEqualityCompliance * Mat3::Identity())
                           : Mat3(scaling_[b].G * scaling_[b].inverse_squared);
-    const int own = problem_.diagonal(block);
+    const int diagonal = problem_.diagonal(block);
     for (int i = 0; i < block.size; ++i) {
       const int row = block.first + i;
       const auto columns = problem_.columns(row);
       const auto values = problem_.values(row);
       for (int k = 0; k < std::ssize(columns); ++k) {
         double value = at_.P[row] * values[k] * at_.P[columns[k]];
-        if (const int j = k - own; j >= 0 && j < block.size)
+        if (const int j = k - diagonal; j >= 0 && j < block.size)
           value += more(i, j) + (i == j ? InteriorPointsTuning::kCompliance * at_.P[row] * at_.P[row] : 0);
         matrix_.column.push_back(columns[k]);
         matrix_.values.push_back(value);

@@ -72,16 +72,16 @@ void ScaledFriction::lay_out(const FrictionProblem& problem) {
 }
 
 void ScaledFriction::find_units(const FrictionProblem& problem) {
-  root_.assign(given_row_.size(), 0);
+  root_diagonal_.assign(given_row_.size(), 0);
   double largest = 0;
   for (const Block& block : blocks_) {
     double d = 0;
     for (int i = block.first; i < block.first + block.size; ++i)
       d += problem.W.coeff(given_row_[i], given_row_[i]) / block.size;
     largest = std::max(largest, d);
-    std::fill_n(root_.begin() + block.first, block.size, d);
+    std::fill_n(root_diagonal_.begin() + block.first, block.size, d);
   }
-  for (double& d : root_)
+  for (double& d : root_diagonal_)
     d = std::sqrt(std::max(d, largest > 0 ? ScaledFrictionTuning::kLeastOwnPart * largest : 1.0));
 }
 
@@ -121,15 +121,15 @@ void ScaledFriction::take_matrix(const FrictionProblem& problem) {
       values_.resize(columns_.size(), 0.0);
       for (FrictionProblem::Matrix::InnerIterator at(problem.W, given_row_[i]); at; ++at)
         if (const int row = row_of[at.col()]; row >= 0)
-          values_[place[row]] += at.value() / (root_[i] * root_[row]);
+          values_[place[row]] += at.value() / (root_diagonal_[i] * root_diagonal_[row]);
       start_.push_back(static_cast<int>(columns_.size()));
     }
   q_.resize(n);
-  for (int i = 0; i < n; ++i) q_[i] = problem.q[given_row_[i]] / root_[i];
+  for (int i = 0; i < n; ++i) q_[i] = problem.q[given_row_[i]] / root_diagonal_[i];
   largest_q_ = n > 0 ? q_.cwiseAbs().maxCoeff() : 0;
 }
 
-Mat3 ScaledFriction::own_matrix(const Block& cone) const {
+Mat3 ScaledFriction::diagonal_block(const Block& cone) const {
   Mat3 B;
   for (int i = 0; i < 3; ++i)
     for (int j = 0; j < 3; ++j) B(i, j) = values(cone.first + i)[diagonal(cone) + j];
@@ -146,15 +146,15 @@ Vector ScaledFriction::rates(const Vector& r) const {
   return u;
 }
 
-Vector ScaledFriction::own(const Vector& r) const {
+Vector ScaledFriction::scale(const Vector& r) const {
   Vector scaled(rows());
-  for (int i = 0; i < rows(); ++i) scaled[i] = root_[i] * r[given_row_[i]];
+  for (int i = 0; i < rows(); ++i) scaled[i] = root_diagonal_[i] * r[given_row_[i]];
   return scaled;
 }
 
-Vector ScaledFriction::given(const Vector& r) const {
+Vector ScaledFriction::unscale(const Vector& r) const {
   Vector unscaled = Vector::Zero(given_rows_);
-  for (int i = 0; i < rows(); ++i) unscaled[given_row_[i]] = r[i] / root_[i];
+  for (int i = 0; i < rows(); ++i) unscaled[given_row_[i]] = r[i] / root_diagonal_[i];
   return unscaled;
 }
 
@@ -170,7 +170,7 @@ Vector ScaledFriction::project(const Vector& x) const {
 
 Vector ScaledFriction::units() const {
   Vector units = Vector::Ones(given_rows_);
-  for (int i = 0; i < rows(); ++i) units[given_row_[i]] = root_[i] * root_[i];
+  for (int i = 0; i < rows(); ++i) units[given_row_[i]] = root_diagonal_[i] * root_diagonal_[i];
   return units;
 }
 
@@ -186,7 +186,7 @@ FrictionErrors ScaledFriction::errors(const Vector& r) const {
     }
   };
   for (const Block& block : blocks_) {
-    const double root = root_[block.first], rho = 1 / norm_;
+    const double root = root_diagonal_[block.first], rho = 1 / norm_;
     if (block.size == 1) {
       const int i = block.first;
       const bool free = block.law == Law::kUnilateral;
@@ -222,7 +222,7 @@ FrictionErrors ScaledFriction::errors(const Vector& r) const {
 }
 
 bool ScaledFriction::excludes(const Vector& given) const {
-  Vector d = own(given);
+  Vector d = scale(given);
   for (const Block& block : blocks_) {
     if (block.law != Law::kEquality) d[block.first] = std::max(0.0, d[block.first]);
     if (block.law == Law::kCone) d[block.first + 1] = d[block.first + 2] = 0;

@@ -48,12 +48,12 @@ class ScaledFriction {
   /// Where the block that begins at this row stands among its columns.
   int diagonal(const Block& block) const { return diagonal_[block.first]; }
   /// W of the block with itself.
-  Mat3 own_matrix(const Block& cone) const;
+  Mat3 diagonal_block(const Block& cone) const;
 
   Eigen::VectorXd rates(const Eigen::VectorXd& r) const;  ///< W r + q
   /// Impulses of the problem as these rows, and the other way round.  @{
-  Eigen::VectorXd own(const Eigen::VectorXd& r) const;
-  Eigen::VectorXd given(const Eigen::VectorXd& r) const;  /// @}
+  Eigen::VectorXd scale(const Eigen::VectorXd& r) const;
+  Eigen::VectorXd unscale(const Eigen::VectorXd& r) const;  /// @}
 
   FrictionErrors errors(const Eigen::VectorXd& r) const;
 
@@ -75,7 +75,7 @@ class ScaledFriction {
   std::vector<int> given_row_;  ///< of each row
   std::vector<Block> blocks_;
   std::vector<int> start_, columns_, diagonal_;
-  std::vector<double> values_, root_;  ///< root_ = √d of each row
+  std::vector<double> values_, root_diagonal_;  ///< root_diagonal_ = √d of each row
   Eigen::VectorXd q_;
   double largest_q_ = 0, given_norm_of_q_ = 0;
   double norm_ = 1;  ///< |W|₂, or 1 where nothing moves

@@ -72,8 +72,9 @@ double present_part(const ContactRows& contacts, int k) {
   if (!resists_turning_linearly(material) || !point.pressed) return 1;
   if (contacts.compliance(k) == 0 && point.approach < -contacts.table().resting_speed) return 1;
   const int row = contacts.first_row(k) + ContactRows::kSpinRow;
-  const double across = std::max(contacts.root(row + 1), contacts.root(row + 2));
-  const double spin = material.spinning_friction_linear * contacts.root(row) * contacts.root(row);
+  const double across = std::max(contacts.root_diagonal(row + 1), contacts.root_diagonal(row + 2));
+  const double spin =
+      material.spinning_friction_linear * contacts.root_diagonal(row) * contacts.root_diagonal(row);
   const double roll = material.rolling_friction_linear * across * across;
   return point.back * std::max(spin, roll) <= 1 ? 0.5 : 1;
 }

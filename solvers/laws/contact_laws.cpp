@@ -104,9 +104,10 @@ bool ContactLaws::let_yield(std::span<const double> lambda, std::span<const doub
     const int row = first_row(k);
     const double way = (normal_law(*this, k).target - w[row]) * table().h;
     if (!(way > 0 && way <= ContactLawsTuning::kYieldWay)) continue;
-    if (!(root(row) * lambda[row] > most && natural_residual(*this, k, lambda, w).normal.size > least))
+    if (!(root_diagonal(row) * lambda[row] > most &&
+          natural_residual(*this, k, lambda, w).normal.size > least))
       continue;
-    point(k).yield = ContactLawsTuning::kYield * root(row) * root(row);
+    point(k).yield = ContactLawsTuning::kYield * root_diagonal(row) * root_diagonal(row);
     any = true;
   }
   return any;

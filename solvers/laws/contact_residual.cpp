@@ -13,24 +13,24 @@ DiscState disc_state(const ContactRows& contacts, int row, const Vec2& given,
                      std::span<const double> w) {
   const Vec2 impulse(lambda[row], lambda[row + 1]);
   return {given + impulse, Vec2(w[row], w[row + 1]) + law.softness * impulse - law.target,
-          std::max(contacts.root(row), contacts.root(row + 1)), law.softness};
+          std::max(contacts.root_diagonal(row), contacts.root_diagonal(row + 1)), law.softness};
 }
 
 NaturalResidual normal_residual(const ContactRows& contacts, int k, std::span<const double> lambda,
                                 std::span<const double> w) {
   const int row = contacts.first_row(k);
-  const double root = contacts.root(row);
+  const double root = contacts.root_diagonal(row);
   const ContactConstraints::NormalLaw law = normal_law(contacts, k);
   const double normal = contacts.point(k).back + lambda[row];
   const double off = w[row] + law.softness * lambda[row] - law.target;
-  const double own = root * root + law.softness;
-  return {root, own, normal - std::clamp(normal - off / own, 0.0, law.most)};
+  const double diagonal = root * root + law.softness;
+  return {root, diagonal, normal - std::clamp(normal - off / diagonal, 0.0, law.most)};
 }
 
 /// Of a disc, with the rate that its first row would take it for.
 NaturalResidual disc_residual(const ContactRows& contacts, int row, const DiscState& disc, double bound) {
   NaturalResidual of = disc.residual(bound);
-  const double root = contacts.root(row);
+  const double root = contacts.root_diagonal(row);
   of.rate = (root + disc.softness / root) * of.size;
   return of;
 }
@@ -67,11 +67,13 @@ NaturalResidual cone_residual(const ContactRows& contacts, int k, std::span<cons
   const int row = contacts.first_row(k);
   const Vec2& given = point.sliding.given;
   const Vec2& target = point.sliding.target;
-  const double root = std::max({contacts.root(row), contacts.root(row + 1), contacts.root(row + 2)});
-  const double own = root * root;
+  const double root = std::max(
+      {contacts.root_diagonal(row), contacts.root_diagonal(row + 1), contacts.root_diagonal(row + 2)});
+  const double diagonal = root * root;
   const Vec3 impulse(point.back + lambda[row], given[0] + lambda[row + 1], given[1] + lambda[row + 2]);
   const Vec3 off(w[row] - normal_law(contacts, k).target, w[row + 1] - target[0], w[row + 2] - target[1]);
-  return {root, own, (impulse - into_cone(impulse - off / own, contacts.friction_bound(k, 1))).norm()};
+  return {root, diagonal,
+          (impulse - into_cone(impulse - off / diagonal, contacts.friction_bound(k, 1))).norm()};
 }
 
 }  // namespace
@@ -99,10 +101,10 @@ NaturalResidual spinning_residual(const ContactRows& contacts, int k, std::span<
   const double normal = contacts.pressure(k, lambda);
   const double bound = contacts.slot(k).material.spinning_friction * normal;
   const LinearFriction linear = linear_friction(contacts, k);
-  const double root = contacts.root(row), own = root * root;
+  const double root = contacts.root_diagonal(row), diagonal = root * root;
   const double spin = contacts.point(k).spin_given + linear.spin_lag * normal + lambda[row];
-  const double part = part_of_slope(linear.spinning * normal, own);
-  return {root, own, spin - into_interval(spin - w[row] / own, bound, part)};
+  const double part = part_of_slope(linear.spinning * normal, diagonal);
+  return {root, diagonal, spin - into_interval(spin - w[row] / diagonal, bound, part)};
 }
 
 ContactResidual natural_residual(const ContactRows& contacts, int k, std::span<const double> lambda,
@@ -138,7 +140,7 @@ double relative_contact_residual(const ContactRows& contacts, int k, std::span<c
   LargestResidual largest;
   const auto add = [&](double residual, int behind, double rate) {
     if (!(residual > 0)) return;
-    const double least_size = rate / contacts.root(contacts.first_row(k) + behind);
+    const double least_size = rate / contacts.root_diagonal(contacts.first_row(k) + behind);
     largest.add(residual / std::max(scale, least_size));
   };
   double sliding = of.sliding.size;

@@ -18,8 +18,9 @@ struct DiscState {
 
   /// Of τ at the slip.
   NaturalResidual residual(double bound) const {
-    const double own = root * root + softness;
-    return {root, own, (tau - into_disc(tau - slip / own, bound, part_of_slope(slope, own))).norm()};
+    const double diagonal = root * root + softness;
+    return {root, diagonal,
+            (tau - into_disc(tau - slip / diagonal, bound, part_of_slope(slope, diagonal))).norm()};
   }
   /// What the disc gives of τ.
   Vec2 within() const { return tau + slope * slip; }

@@ -34,7 +34,7 @@ class ContactRows {
   std::span<const int> first_rows() const { return first_row_; }
   int row_count(int k) const { return slot(k).at.row_count(); }
   bool has_twist(int k) const { return slot(k).at.twist; }
-  double root(int row) const { return root_diagonal_[row]; }  ///< √S_rr
+  double root_diagonal(int row) const { return root_diagonal_[row]; }  ///< √S_rr
 
   const ContactConstraints& table() const { return table_; }
   const ContactCache::Slot& slot(int k) const { return table_.cache.slots()[slots_[k]]; }

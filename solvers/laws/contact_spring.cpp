@@ -9,6 +9,10 @@ struct ContactSpringTuning {
   /// δ of (solvers/laws, Eq. 8) where the step resolves the spring: a face on a face then has one division of
   /// its second kick for speeds that differ by round-off.  Chosen.
   static constexpr double kGivingWay = 0.1;
+  /// Largest damping ratio below critical damping whose e is computed, and bisections for the ratio of an e:
+  /// to round-off.
+  static constexpr double kMostDamping = 1 - 1e-12;
+  static constexpr int kBisections = 50;
 };
 
 /// e of a spring and damper of this ratio to critical damping, let go where its force is 0.
@@ -19,9 +23,9 @@ double restitution_of(double ratio) {
 
 /// The inverse of that, at most critical damping, of which e = e⁻².
 double damping_ratio(double restitution) {
-  double low = 0, high = 1 - 1e-12;
+  double low = 0, high = ContactSpringTuning::kMostDamping;
   if (restitution <= restitution_of(high)) return 1;
-  for (int i = 0; i < 50; ++i) {
+  for (int i = 0; i < ContactSpringTuning::kBisections; ++i) {
     const double middle = 0.5 * (low + high);
     (restitution_of(middle) > restitution ? low : high) = middle;
   }

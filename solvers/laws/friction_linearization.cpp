@@ -31,7 +31,7 @@ double FrictionLinearization::size_of(std::span<const double> lambda) const {
   for (int k = 0; k < contacts_.count(); ++k)
     for (int i = 0; i < 3 && contacts_.point(k).active; ++i) {
       const int row = contacts_.first_row(k) + i;
-      size = std::max(size, contacts_.root(row) * std::abs(lambda[row]));
+      size = std::max(size, contacts_.root_diagonal(row) * std::abs(lambda[row]));
     }
   return size;
 }

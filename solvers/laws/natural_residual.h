@@ -17,10 +17,10 @@ struct NaturalResidual {
   double rate = 0;  ///< (S + c) |λ − λ*|, by how much the rate is off [m/s or rad/s]
 
   NaturalResidual() = default;
-  /// Of impulses that are `off` = |λ − λ*| from the answer, with root = √S and own = S + c.
-  NaturalResidual(double root, double own, double off)
-      : size(root * std::abs(off)), rate(own * std::abs(off)) {}
-  /// Of impulses that are `off` from the answer, without compliance: s = S, own = S.
+  /// Of impulses that are `off` = |λ − λ*| from the answer, with root = √S and diagonal = S + c.
+  NaturalResidual(double root, double diagonal, double off)
+      : size(root * std::abs(off)), rate(diagonal * std::abs(off)) {}
+  /// Of impulses that are `off` from the answer, without compliance: s = S = diagonal.
   NaturalResidual(double s, double off) : NaturalResidual(std::sqrt(s), s, off) {}
 
   /// The size, 0 where the rate is right to the tolerance.

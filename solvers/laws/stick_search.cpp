@@ -70,7 +70,7 @@ bool StickSearch::is_far(int k, std::span<const double> w, std::span<const doubl
   const auto [a, b, twist] = contacts_.slot(k).at;
   const double most = std::max(moves[a] ? friction[a] : 0, moves[b] ? friction[b] : 0);
   const int row = contacts_.first_row(k);
-  const double root = std::max(contacts_.root(row + 1), contacts_.root(row + 2));
+  const double root = std::max(contacts_.root_diagonal(row + 1), contacts_.root_diagonal(row + 2));
   return contacts_.slip_of(k, w) > StickSearchTuning::kFarSlip * most * root * root;
 }
 

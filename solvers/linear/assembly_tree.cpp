@@ -143,8 +143,7 @@ Supernodes find_supernodes(const BlockPattern& A, const std::vector<int>& order,
 // the modelled time, and then looks at the grandchildren that came with them.  Returns for each supernode the
 // one that it was merged into, itself if none.
 std::vector<int> amalgamate(const Supernodes& s, const std::vector<int>& columns,
-                            const std::vector<int>& row_count, const std::vector<int>& parent,
-                            const FrontCost& cost) {
+                            const std::vector<int>& row_count, const std::vector<int>& parent) {
   std::vector<int> pivots = columns, into(parent.size());
   std::iota(into.begin(), into.end(), 0);
   Children children(parent);
@@ -158,8 +157,8 @@ std::vector<int> amalgamate(const Supernodes& s, const std::vector<int>& columns
                      [&](int a, int b) { return row_count[a] > row_count[b]; });
     for (std::size_t k = 0; k < candidates.size(); ++k) {
       const int c = candidates[k];
-      const double apart = cost(pivots[c], row_count[c]) + cost(pivots[p], row_count[p]);
-      if (cost(pivots[c] + pivots[p], row_count[p]) < apart) {
+      const double apart = front_cost(pivots[c], row_count[c]) + front_cost(pivots[p], row_count[p]);
+      if (front_cost(pivots[c] + pivots[p], row_count[p]) < apart) {
         into[c] = p;
         pivots[p] += pivots[c];
         for (int g = children.first[c]; g != -1; g = children.next[g]) candidates.push_back(g);
@@ -178,12 +177,13 @@ std::vector<int> amalgamate(const Supernodes& s, const std::vector<int>& columns
 
 }  // namespace
 
-double FrontCost::operator()(double p, double m) const {
+double front_cost(double p, double m) {
   const double tiles = std::ceil(0.25 * p), rows = 4.0 * std::ceil(0.25 * (p + m));
   // ½ Σ (n − j)² over the pivots j, n = p + m.
   const double multiplications = 0.5 * (p * m * m + p * p * m + p * p * p / 3.0);
-  return per_front + per_tile * tiles + per_panel_entry * p * rows + per_contribution_entry * 0.5 * m * m +
-         per_multiplication * multiplications;
+  using Tuning = FrontTuning;
+  return Tuning::kFront + Tuning::kTile * tiles + Tuning::kPanelEntry * p * rows +
+         Tuning::kContributionEntry * 0.5 * m * m + Tuning::kMultiplication * multiplications;
 }
 
 BlockPattern pattern_below_diagonal(const BlockGraph& graph, std::span<const int> node_at) {
@@ -202,11 +202,11 @@ BlockPattern pattern_below_diagonal(const BlockGraph& graph, std::span<const int
   return pattern;
 }
 
-AssemblyTree build_assembly_tree(const SymmetricMatrix& A, const FrontCost& cost) {
-  return build_assembly_tree(pattern_below_diagonal(A), cost);
+AssemblyTree build_assembly_tree(const SymmetricMatrix& A) {
+  return build_assembly_tree(pattern_below_diagonal(A));
 }
 
-AssemblyTree build_assembly_tree(const BlockPattern& pattern, const FrontCost& cost) {
+AssemblyTree build_assembly_tree(const BlockPattern& pattern) {
   const std::vector<int> tree = elimination_tree(pattern);
   const std::vector<int> order = postorder(tree);
   std::vector<int> place(order.size()), parent(order.size(), -1);
@@ -223,7 +223,7 @@ AssemblyTree build_assembly_tree(const BlockPattern& pattern, const FrontCost& c
     for (int t = s.row_start[f]; t < s.row_end[f]; ++t) row_count[f] += width(s.rows[t]);
     if (s.row_start[f] < s.row_end[f]) above[f] = s.of[s.rows[s.row_start[f]]];
   }
-  std::vector<int> into = amalgamate(s, columns, row_count, above, cost);
+  std::vector<int> into = amalgamate(s, columns, row_count, above);
   for (int f = count - 1; f >= 0; --f) into[f] = into[into[f]];  // parents have larger numbers
 
   // Fronts are the supernodes that were not merged; their order is still a postorder.
@@ -244,7 +244,7 @@ AssemblyTree build_assembly_tree(const BlockPattern& pattern, const FrontCost& c
   return result;
 }
 
-double modelled_time(const AssemblyTree& tree, const BlockPattern& A, const FrontCost& cost) {
+double modelled_time(const AssemblyTree& tree, const BlockPattern& A) {
   const auto columns = [&](const std::vector<int>& blocks, int begin, int end) {
     int sum = 0;
     for (int t = begin; t < end; ++t) sum += A.width[blocks[t]];
@@ -252,8 +252,8 @@ double modelled_time(const AssemblyTree& tree, const BlockPattern& A, const Fron
   };
   double time = 0;
   for (int f = 0; f < tree.size(); ++f)
-    time += cost(columns(tree.pivots, tree.pivot_start[f], tree.pivot_start[f + 1]),
-                 columns(tree.rows, tree.row_start[f], tree.row_start[f + 1]));
+    time += front_cost(columns(tree.pivots, tree.pivot_start[f], tree.pivot_start[f + 1]),
+                       columns(tree.rows, tree.row_start[f], tree.row_start[f + 1]));
   return time;
 }
 

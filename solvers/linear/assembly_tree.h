@@ -36,26 +36,30 @@ struct AssemblyTree {
   int size() const { return static_cast<int>(parent.size()); }
 };
 
-/// Modelled time of one front [ns]: merging a child with its parent costs arithmetic with zeros, and saves
-/// the child's overhead and the passing on of its contribution.  Fitted to measurements.
-/// For merging only ratios matter; thresholds of orders and of threads are in these units.
-struct FrontCost {
-  double per_front = 60.0;
-  double per_tile = 50.0;               ///< four pivots, which wait for each other
-  double per_panel_entry = 1.5;         ///< zeroing and assembly, and reading in the solves that follow
-  double per_contribution_entry = 0.5;  ///< writing, and extend-add into the parent
-  double per_multiplication = 0.1;
-
-  /// Of a front with p pivots and m more rows.
-  double operator()(double p, double m) const;
+/// Modelled times [ns], fitted to measured ones.  For merging only ratios matter; thresholds of orders and of
+/// threads are in these units.
+struct FrontTuning {
+  /// Of each front.
+  static constexpr double kFront = 60;
+  /// Of four pivots, which wait for each other.
+  static constexpr double kTile = 50;
+  /// Of an entry of a panel: zeroing and assembly, and reading in the solves that follow.
+  static constexpr double kPanelEntry = 1.5;
+  /// Of an entry of a contribution: writing, and extend-add into the parent.
+  static constexpr double kContributionEntry = 0.5;
+  static constexpr double kMultiplication = 0.1;  ///< of a multiplication and its addition
 };
 
+/// Modelled time [ns] of a front with p pivots and m more rows: merging a child with its parent costs
+/// arithmetic with zeros, and saves the child's overhead and the passing on of its contribution.
+double front_cost(double p, double m);
+
 /// @pre A holds its lower triangle, with every diagonal block.
-AssemblyTree build_assembly_tree(const SymmetricMatrix& A, const FrontCost& cost = {});
+AssemblyTree build_assembly_tree(const SymmetricMatrix& A);
 /// The same for the pattern alone.
-AssemblyTree build_assembly_tree(const BlockPattern& A, const FrontCost& cost = {});
+AssemblyTree build_assembly_tree(const BlockPattern& A);
 
 /// Modelled time of a factorisation [ns], that of all fronts of the tree of A.
-double modelled_time(const AssemblyTree& tree, const BlockPattern& A, const FrontCost& cost = {});
+double modelled_time(const AssemblyTree& tree, const BlockPattern& A);
 
 }  // namespace taut

@@ -22,7 +22,7 @@ MultifrontalFactor::MultifrontalFactor(detail::LazyPool* threads)
     : MultifrontalFactor(front_kernels(), threads) {}
 
 MultifrontalFactor::MultifrontalFactor(const FrontKernels& kernels, detail::LazyPool* threads,
-                                       const SharingTuning& sharing)
+                                       const Sharing& sharing)
     : kernels_(&kernels), threads_(threads), sharing_(sharing) {}
 
 MultifrontalFactor::~MultifrontalFactor() = default;

@@ -37,7 +37,7 @@ class MultifrontalFactor final : public Factor {
   MultifrontalFactor();
   /// @param threads null: there is but the caller's.  Must outlive this.
   explicit MultifrontalFactor(const FrontKernels& kernels, detail::LazyPool* threads = nullptr,
-                              const SharingTuning& sharing = {});
+                              const Sharing& sharing = {});
   explicit MultifrontalFactor(detail::LazyPool* threads);
   ~MultifrontalFactor() override;
 
@@ -72,8 +72,8 @@ class MultifrontalFactor final : public Factor {
   std::span<const double> panels() const { return L_; }
   /// Room for contributions [numbers], of all threads.
   std::size_t contribution_room() const;
-  /// The time of a factorisation by one thread over that by so many, as FrontCost and the tree of fronts say:
-  /// threads neither disturb each other nor share a front.
+  /// The time of a factorisation by one thread over that by so many, as front_cost() and the tree of fronts
+  /// say: threads neither disturb each other nor share a front.
   double modelled_gain(int threads) const;
   /// How threads share the work; null if they do not.
   const SharedFronts* shared() const { return shared_.get(); }
@@ -124,7 +124,7 @@ class MultifrontalFactor final : public Factor {
 
   const FrontKernels* kernels_;
   detail::LazyPool* threads_ = nullptr;
-  SharingTuning sharing_;
+  Sharing sharing_;
   int size_ = 0;
   double flops_ = 0.0;
   std::int64_t nonzeros_ = 0;

@@ -21,10 +21,9 @@ std::vector<int> parents_of(Fronts fronts) {
 
 /// Time of each front in a factorisation [ns].
 std::vector<double> factor_costs(Fronts fronts) {
-  const FrontCost cost;
   std::vector<double> costs;
   for (const MultifrontalFactor::Front& front : fronts)
-    costs.push_back(cost(front.pivots, front.rows - front.pivots));
+    costs.push_back(front_cost(front.pivots, front.rows - front.pivots));
   return costs;
 }
 
@@ -49,7 +48,7 @@ int threads_for(double work, double from, int wanted) {
 }
 
 void plan_factorization(SharedFactorization& shared, Fronts fronts, std::span<const int> parent, int wanted,
-                        const SharingTuning& sharing) {
+                        const Sharing& sharing) {
   const std::vector<double> costs = factor_costs(fronts);
   const double total = sum_of(costs);
   shared.threads = threads_for(total, sharing.factor_from, wanted);
@@ -58,7 +57,7 @@ void plan_factorization(SharedFactorization& shared, Fronts fronts, std::span<co
 }
 
 void plan_passes(SharedPasses& shared, Fronts fronts, std::span<const int> parent, int wanted,
-                 const SharingTuning& sharing) {
+                 const Sharing& sharing) {
   const std::vector<double> costs = pass_costs(fronts);
   shared.threads = threads_for(sum_of(costs), sharing.solve_from, wanted);
   if (shared.threads > 1) shared.cut = cut_for_passes(parent, costs, shared.threads);

@@ -10,20 +10,26 @@
 
 namespace taut {
 
-/// Which factorisations and solves are shared among threads.  No bit of a result depends on it.
 struct SharingTuning {
-  /// Modelled time of a factorisation (FrontCost) [ns] from which on waking a second thread pays, and half of
-  /// it each further one.  Measured with two.
-  double factor_from = 6e6;
-  /// The same of bytes of L, which a solve reads twice.
-  double solve_from = 16e6;
-  /// Subtrees of a factorisation cost at most this part of a thread's share, so that shares even out: a study
-  /// of nets found 8 to do.
-  double subtrees_a_thread = 8;
-  /// The longest path through the tree may be at most this part of the whole. Chosen.
-  double longest_path = 0.8;
-  /// Tasks for each thread, at most: where subtrees are more, each takes several.
-  int tasks_a_thread = 32;
+  /// Modelled time of a factorisation (front_cost()) [ns] from which on waking a second thread pays, and half
+  /// of it each further one.  Measured with two.
+  static constexpr double kFactorFrom = 6e6;
+  /// The same of bytes of L, which a solve reads twice.  Measured.
+  static constexpr double kSolveFrom = 16e6;
+  /// A subtree of a factorisation costs at most this part of a thread's share, so that shares even out: a
+  /// study of nets found 8 to do.  Measured.
+  static constexpr double kSubtrees = 8;
+  /// The longest path through the tree may be at most this part of the whole.  Chosen.
+  static constexpr double kLongestPath = 0.8;
+  /// Tasks for each thread, at most: where subtrees are more, each takes several.  Chosen.
+  static constexpr int kTasks = 32;
+};
+
+/// Which factorisations and solves are shared among threads.  No bit of a result depends on it.
+struct Sharing {
+  double factor_from = SharingTuning::kFactorFrom, solve_from = SharingTuning::kSolveFrom;
+  double subtrees_a_thread = SharingTuning::kSubtrees, longest_path = SharingTuning::kLongestPath;
+  int tasks_a_thread = SharingTuning::kTasks;
 };
 
 /// Where a front is worked on.

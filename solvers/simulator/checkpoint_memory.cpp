@@ -232,13 +232,13 @@ void ContactIslands::transfer(Archive& archive) {
   if (known().size() <= 1) return;
   for (const std::unique_ptr<Island>& of_present_rows : known()) {
     Island& island = *of_present_rows;
-    bool solved = island.own != nullptr;
+    bool solved = island.system != nullptr;
     archive(solved);
     if (!solved) continue;
-    if (!island.own) make(island, scratch_.front());
+    if (!island.system) make(island, scratch_.front());
     island.solver->transfer(archive);
     island.contacts.transfer_residuals(archive);
-    island.own->reset_counters();
+    island.system->reset_counters();
   }
 }
 

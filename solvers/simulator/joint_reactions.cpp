@@ -4,6 +4,12 @@
 
 namespace taut {
 
+struct JointReactionsTuning {
+  /// Refinements of the least-norm solution, and of that where rows depend on each other: each takes the
+  /// error down by the shift of S over its least eigenvalue but 0.  Chosen.
+  static constexpr int kPasses = 1, kPassesOfDependent = 3;
+};
+
 void JointReactions::renew(int row_count) {
   multipliers_.assign(row_count, 0.0);
   version_ = jacobian_version_ = -1;
@@ -36,10 +42,11 @@ void JointReactions::solve_accelerations(const World& world, const Settings& set
   std::vector<double> rates(system.row_count());
   multipliers_.resize(system.row_count());
   acceleration_right_side(system, state, forces, accelerations, rates, multipliers_);
-  // The least-norm solution, refined; more often where rows depend on each other.
   std::vector<double> rhs = multipliers_, correction(rhs.size());
   system.solve(multipliers_);
-  for (int pass = 0; pass < (system.singular() ? 3 : 1); ++pass) {
+  using Tuning = JointReactionsTuning;
+  const int passes = system.singular() ? Tuning::kPassesOfDependent : Tuning::kPasses;
+  for (int pass = 0; pass < passes; ++pass) {
     system.multiply(multipliers_, correction);
     for (std::size_t r = 0; r < rhs.size(); ++r) correction[r] = rhs[r] - correction[r];
     system.solve(correction);

@@ -112,7 +112,7 @@ void WeldLoads::solve_present(std::span<const Twist> accelerations, const Impuls
       required_[body.index] = required_[body.index] +
                               Wrench{I * own.w + V.w.cross(I * V.w), mass.mass() * own.v} - laws_[body.index];
     }
-    share(group);
+    split_loads(group);
   }
 }
 
@@ -145,7 +145,7 @@ void WeldLoads::solve_mean(const State& from, double dt, const Impulses& joints,
       required_[body.index] =
           required_[body.index] + (1 / dt) * (momentum(body, state_) - momentum(body, from));
     if (!group.fixed) balance(group);
-    share(group);
+    split_loads(group);
   }
 }
 
@@ -176,11 +176,11 @@ Wrench WeldLoads::moved(const Wrench& wrench, BodyId from, BodyId to) const {
   return {wrench.torque + arm.cross(wrench.force), wrench.force};
 }
 
-void WeldLoads::share(const MergedGroup& group) {
+void WeldLoads::split_loads(const MergedGroup& group) {
   for (const auto* welds : {&group.welds, &group.loops})
     for (JointId weld : *welds)
       if (weld.index >= 0) loads_[weld.index] = {};
-  if (!group.loops.empty()) share_loops(group);
+  if (!group.loops.empty()) split_loops(group);
   for (std::size_t i = group.members.size(); i-- > 0;) {
     const JointId weld = group.welds[i];
     if (weld.index < 0) continue;
@@ -204,7 +204,7 @@ Matrix6 WeldLoads::inverse_mass(int body) const {
 
 /// Least Σ S_rr λ_r² with Jᵀ λ as required: λ = D⁻¹ J u, (Jᵀ D⁻¹ J) u = required, D = diag(S), as if each row
 /// were a spring of compliance S_rr.  Round-off of this is left to the tree.
-void WeldLoads::share_loops(const MergedGroup& group) {
+void WeldLoads::split_loops(const MergedGroup& group) {
   std::map<int, int> place;  // of a body in u; the root stays where it is
   for (std::size_t i = 0; i < group.members.size(); ++i)
     if (group.welds[i].index >= 0) place.emplace(group.members[i].index, 6 * static_cast<int>(place.size()));

@@ -57,8 +57,8 @@ class WeldLoads {
   void take_joints(const Impulses& joints);
   void take_contact_rows(const Impulses& joints, std::span<const ContactCache::Slot> contacts);
   void balance(const MergedGroup& group);
-  void share(const MergedGroup& group);
-  void share_loops(const MergedGroup& group);
+  void split_loads(const MergedGroup& group);
+  void split_loops(const MergedGroup& group);
   using Block = Eigen::Matrix<double, 6, 6, Eigen::RowMajor>;
   Eigen::Map<const Block> block(JointId weld, int s) const;
   int end(JointId weld, int s) const;

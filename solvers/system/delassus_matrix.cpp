@@ -132,10 +132,10 @@ void DelassusMatrix::append_block_column(int k, std::span<const Meeting> meeting
     if (opens_block(meetings, m) && m > 0) slot += height(meetings[m - 1].block_row);
     products.push_back({meetings[m].body, {slot, length, meetings[m].i, meetings[m].j, false}});
   }
-  const auto own = std::find(rows.begin(), rows.end(), matrix_.block_start[k]);
-  const int diagonal = first + static_cast<int>(own - rows.begin());
+  const auto own_block = std::find(rows.begin(), rows.end(), matrix_.block_start[k]);
+  const int diagonal = first + static_cast<int>(own_block - rows.begin());
   for (int c = 0; c < height(k); ++c) {
-    if (own != rows.end()) diagonal_.push_back(diagonal + c * length + c);
+    if (own_block != rows.end()) diagonal_.push_back(diagonal + c * length + c);
     matrix_.row_index.insert(matrix_.row_index.end(), rows.begin(), rows.end());
     matrix_.column_start.push_back(static_cast<int>(matrix_.row_index.size()));
   }

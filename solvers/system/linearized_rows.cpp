@@ -135,13 +135,13 @@ void LinearizedRows::sum_effective_masses() {
   for (const Rows::Side& side : rows_.sides()) {
     const bool first = &side == &rows_.sides()[rows_.joints()[side.block].first_side];
     for (int i = 0; i < side.row_count; ++i) {
-      const double own =
+      const double part =
           mass_[side.body].fixed
               ? 0
               : Eigen::Map<const Eigen::Matrix<double, 6, 1>>(weighted_.data() + side.whole + 6 * i)
                     .squaredNorm();
       double& sum = effective_masses_[side.first_row + i];
-      sum = first ? own : sum + own;
+      sum = first ? part : sum + part;
     }
   }
   for (double& s : effective_masses_) s = s > 0 ? 1 / s : 0;
@@ -168,8 +168,8 @@ void LinearizedRows::apply_W(std::span<const double> v, std::span<double> out) c
     for (int i = 0; i < joint.row_count; ++i) out[joint.first_row + i] = 0;
     for (int s = joint.first_side; s < joint.first_side + joint.side_count; ++s) {
       const Rows::Side& side = rows_.sides()[s];
-      const double* own = v.data() + 6 * side.body;
-      const SixVector f(Vec3::Map(own), Vec3::Map(own + 3));
+      const double* twist = v.data() + 6 * side.body;
+      const SixVector f(Vec3::Map(twist), Vec3::Map(twist + 3));
       const double* W = weighted_.data() + side.whole;
       for (int i = 0; i < side.row_count; ++i, W += 6) out[joint.first_row + i] += f.dot(W);
     }

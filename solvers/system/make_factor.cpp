@@ -7,12 +7,18 @@
 namespace taut {
 namespace {
 
+struct CholmodTuning {
+  /// Flops per entry of L from which on dense kernels pay: CHOLMOD's own switch [Chen2008].
+  static constexpr double kFlopsOfSupernodes = 40;
+};
+
 std::unique_ptr<Factor> make_chosen(FactorChoice choice, const BlockOrdering& ordering, int rows,
                                     detail::LazyPool* threads) {
   using Method = CholmodFactor::Method;
-  // CHOLMOD's own switch: dense kernels pay from about 40 flops per entry of L.
   if (choice == FactorChoice::kCholmod)
-    choice = ordering.flops >= 40 * ordering.nonzeros ? FactorChoice::kSupernodal : FactorChoice::kSimplicial;
+    choice = ordering.flops >= CholmodTuning::kFlopsOfSupernodes * ordering.nonzeros
+                 ? FactorChoice::kSupernodal
+                 : FactorChoice::kSimplicial;
   if (choice == FactorChoice::kDense && rows > kMostDenseRows) choice = FactorChoice::kMultifrontal;
   switch (choice) {
     case FactorChoice::kDense:

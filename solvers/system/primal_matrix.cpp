@@ -100,10 +100,10 @@ PrimalMatrix::PrimalMatrix(const Rows& rows, const MassMatrix& mass, SymmetricMa
     column.erase(std::unique(column.begin(), column.end()), column.end());
     const int first = static_cast<int>(matrix_.row_index.size());
     const int length = kSix * static_cast<int>(column.size());
-    const int own = static_cast<int>(matrix_.block_start.size()) - 1;
+    const int own_block = static_cast<int>(matrix_.block_start.size()) - 1;
     for (int c = 0; c < kSix; ++c) {
       for (int row : column) {
-        if (row == own) diagonal_.push_back(static_cast<int>(matrix_.row_index.size()) + c);
+        if (row == own_block) diagonal_.push_back(static_cast<int>(matrix_.row_index.size()) + c);
         for (int r = 0; r < kSix; ++r) matrix_.row_index.push_back(kSix * row + r);
       }
       matrix_.column_start.push_back(first + (c + 1) * length);

@@ -54,8 +54,8 @@ std::span<const double> PrimalSystem::regularize(LinearizedRows& rows, const Row
   rows.effective_masses(inverse_compliance_);
   for (int r = 0; r < rows.row_count(); ++r) {
     double& d = inverse_compliance_[r];
-    const double own = d > 0 ? 1 / d : 1, state = states[r];
-    d = state == kMasked ? 0 : 1 / (state + shift * (own + state));
+    const double diagonal = d > 0 ? 1 / d : 1, state = states[r];
+    d = state == kMasked ? 0 : 1 / (state + shift * (diagonal + state));
   }
   return inverse_compliance_;
 }

@@ -103,9 +103,9 @@ bool RowUpdates::factor_complement() {
     double smallest = 0;  // a pivot below this: nearly dependent, or lost to cancellation
     if (columns_[changed_[i]].masked) {
       // gram already holds −S_rr
-      const double own = stretch * (diagonal_[changed_[i]] + states_[row]);
-      entry(i, i) += own - diagonal_[changed_[i]];
-      smallest = system_.singular() ? 0 : RankTuning::kStepping.dependent * own;
+      const double diagonal = stretch * (diagonal_[changed_[i]] + states_[row]);
+      entry(i, i) += diagonal - diagonal_[changed_[i]];
+      smallest = system_.singular() ? 0 : RankTuning::kStepping.dependent * diagonal;
     } else if (states_[row] != kMasked) {
       const double inverse = 1 / (stretch * (states_[row] - factored_state(row)));
       entry(i, i) -= inverse;

@@ -43,8 +43,8 @@ if grep '"command"' "$folder/plain/compile_commands.json" | grep -v -e '-std=[a-
 
 for form in FetchContent add_subdirectory; do
   echo "== $form"
-  # Without optimisation and debugging information it is compiled soonest.
-  configure "$folder/build" $form -DCMAKE_BUILD_TYPE=Debug -DCMAKE_CXX_FLAGS_DEBUG= -DCMAKE_UNITY_BUILD=ON
+  # Without optimisation and debugging information, many sources as one, it is compiled soonest.
+  configure "$folder/build" $form -DCMAKE_BUILD_TYPE=Debug -DCMAKE_CXX_FLAGS_DEBUG= -DCMAKE_UNITY_BUILD=ON -DCMAKE_UNITY_BUILD_BATCH_SIZE=24
   cmake --build "$folder/build" --parallel "${CMAKE_BUILD_PARALLEL_LEVEL:-2}"
   "$folder/build/rod"
   # A page needs three.js.

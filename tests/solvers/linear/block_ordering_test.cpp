@@ -102,7 +102,7 @@ TEST(BlockOrdering, the_model_sums_up_the_fronts_that_are_factored) {
       MultifrontalFactor factor;
       factor.analyze(matrix_of(graph, ordering.node_at));
       double time = 0;
-      for (const auto& front : factor.fronts()) time += FrontCost{}(front.pivots, front.rows - front.pivots);
+      for (const auto& front : factor.fronts()) time += front_cost(front.pivots, front.rows - front.pivots);
       EXPECT_DOUBLE_EQ(time_of(graph, ordering), time);  // the same numbers in the same order
     }
   }

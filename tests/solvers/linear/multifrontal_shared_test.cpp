@@ -20,7 +20,7 @@ namespace {
 using namespace block_matrices;
 
 /// All that can be cut is shared, however small.
-constexpr SharingTuning kAll{
+constexpr Sharing kAll{
     .factor_from = 0, .solve_from = 0, .subtrees_a_thread = 2, .longest_path = 1, .tasks_a_thread = 3};
 
 /// Edges between places of the postordered minimum degree order.
@@ -257,7 +257,7 @@ TEST(SharedFactor, CostsNothingWhereThereIsNothingToShare) {
   detail::LazyPool two(2), one(1);
   Edges chain;
   for (int i = 0; i + 1 < 300; ++i) chain.emplace_back(i, i + 1);
-  SharingTuning tuning = kAll;
+  Sharing tuning = kAll;
   tuning.longest_path = 0.8;
   const SymmetricMatrix A = block_matrix(std::vector<int>(300, 3), chain, random), B = grid(25, random);
   MultifrontalFactor in_a_row(front_kernels(), &two, tuning);
