@@ -51,6 +51,7 @@ bool ContactSolver::solve(const StageProblem& problem, const ContactLimits& limi
   for (int solve = 0;; ++solve) {
     if (!newton_.solve(contacts_, problem, limits.newton, record).converged)
       return solve_by_sweeps(problem, rate_tolerance, limits.inexact, record);
+    close_joints(problem, rate_tolerance, record);
     if (solve == Tuning::kMaxSolves || !contacts_.slips_where_it_held()) return true;
     if (search_sticking_solution(problem, rate_tolerance, record) || !contacts_.weakened()) return true;
   }
@@ -114,6 +115,26 @@ void ContactSolver::sweep_guess(const StageProblem& problem, double rate_toleran
   (void)iteration().solve(contacts_, problem.laws, problem.b, held_, problem.w, limits, {});
   if (relative_residual(swept, rate_tolerance) < off)
     std::copy(held_.begin(), held_.end(), problem.lambda.begin());
+}
+
+/// Where laws are met as parts of the largest impulse, joints between light bodies may still be off by more
+/// than the tolerance of rates: these and axes once more, with the impulses of contacts as they are.
+void ContactSolver::close_joints(const StageProblem& problem, double rate_tolerance, StageRecord& record) {
+  if (newton_.holds_joints(problem.laws, problem.w, rate_tolerance)) return;
+  StageProblem closed = problem;
+  held_.assign(problem.lambda.begin(), problem.lambda.end());
+  closed.lambda = held_;
+  locked_laws_.assign(problem.laws.begin(), problem.laws.end());
+  for (int r = system_.rows().first_contact_row(); r < system_.row_count(); ++r)
+    locked_laws_[r] = RowLaw::constant(held_[r]);
+  const PrimalDualLimits limits{.rate_tolerance = rate_tolerance};
+  record.iterations +=
+      locked_.solve(locked_laws_, problem.b, held_, problem.w, limits, record.times).iterations;
+  if (relative_residual(closed, rate_tolerance) <= ResidualTuning::kMetByContacts)
+    std::copy(held_.begin(), held_.end(), problem.lambda.begin());
+  else
+    system_.rates(problem.lambda, problem.b, problem.w);
+  contacts_.take_over(problem.lambda, problem.w, rate_tolerance);
 }
 
 /// From a solution in which contacts slip that stuck: true, and another one, if there is one in which they

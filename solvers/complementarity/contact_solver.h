@@ -64,6 +64,7 @@ class ContactSolver {
   bool meets_laws(const StageProblem& problem, double tolerance, double rate_tolerance, StageRecord& record);
   bool rests_locked(const StageProblem& problem, double rate_tolerance, StageRecord& record);
   void sweep_guess(const StageProblem& problem, double rate_tolerance);
+  void close_joints(const StageProblem& problem, double rate_tolerance, StageRecord& record);
   bool search_sticking_solution(const StageProblem& problem, double rate_tolerance, StageRecord& record);
   LargestResidual largest_residual(const StageProblem& problem, double rate_tolerance) const;
   bool solve_by_sweeps(const StageProblem& problem, double rate_tolerance, double inexact,
