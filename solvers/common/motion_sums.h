@@ -8,7 +8,7 @@
 namespace taut {
 
 /// Kinetic energy, momentum and angular momentum about the origin of bodies that move with twists V and have
-/// momenta p = (L, P) (zero for fixed ones):  Σ ½ p·V,  Σ P,  Σ x × P + L.
+/// momenta p = M V (zero for fixed ones):  Σ ½ p·V,  Σ p_v,  Σ x × p_v + p_ω.
 inline void sum_motion(const State& state, std::span<const Wrench> momenta, StepReport& report) {
   double energy = 0;
   Vec3 linear = Vec3::Zero(), angular = Vec3::Zero();

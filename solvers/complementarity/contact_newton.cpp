@@ -28,7 +28,7 @@ NewtonOutcome ContactNewton::solve(ContactLaws& contacts, const StageProblem& st
     Verdict verdict;                                                     // of F = δv − Wᵀ (y − λ̄)
     while ((verdict = round_.look(problem, y, limits.iterations - outcome.iterations)) == Verdict::kOpen) {
       ++outcome.iterations;
-      if (!round_.find_step(projection_, record.times)) break;  // (1 + Wᵀ P' Σ⁻¹ W + N) step = −F
+      if (!round_.find_step(projection_, record.times)) break;  // (1 + Wᵀ ∂prox Σ⁻¹ W + N) step = −F
       SlopeSearch search(round_.start_slope());
       do projection_.project(problem, round_.x(problem, search.length()), round_.sigma());
       while (search.goes_on(round_.slope(y, search.length())));

@@ -36,8 +36,8 @@ struct NewtonOutcome {
 
 /// w = S λ + b with Coulomb's law in each contact and the law of each other row, through the bodies:
 ///
-///     rounds    λ̄ ← λ = P(λ̄ − Σ⁻¹ (b + W v − t))
-///     Newton    v − Wᵀ P(λ̄ − Σ⁻¹ (b + W v − t)) = 0   for the velocities v = Wᵀ λ
+///     rounds    λ̄ ← λ = prox(λ̄ − Σ⁻¹ (b + W v − t))
+///     Newton    v − Wᵀ prox(λ̄ − Σ⁻¹ (b + W v − t)) = 0   for the velocities v = Wᵀ λ
 ///
 /// P is what the laws answer: a row's own, and of a contact its normal's, then in the disc whose radius
 /// follows from that.  The rounds (ProximalRound) are the proximal point iteration [Rockafellar1976], which

@@ -116,8 +116,8 @@ bool ContactProjection::project_disc(int k, int first, const Vec2& given, double
   return slips;
 }
 
-/// Rows of W in which P' is diagonal: tangents along `direction` and across it, the first one with the normal
-/// along the generator (1, μ) of the cone.
+/// Rows of W in which ∂prox is diagonal: tangents along `direction` and across it, the first one with the
+/// normal along the generator (1, μ) of the cone.
 void ContactProjection::turn_rows(int k, double mu, int first, const Vec2& direction) {
   const Rows& rows = system_.rows();
   const Rows::JointRows& contact = rows.joints()[rows.contact_joint(k)];

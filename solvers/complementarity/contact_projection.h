@@ -8,22 +8,22 @@
 
 namespace taut {
 
-/// y = prox_Σ(x): the projection onto what the laws of rows and contacts allow, with its derivative P', which
-/// is diagonal in rows of W that are turned: tangents along the slip and across it, and on the surface of a
-/// cone the first one with the normal.  (solvers/complementarity, Eq. 3, 6)
+/// y = prox_Σ(x): the projection onto what the laws of rows and contacts allow, with its derivative ∂prox,
+/// which is diagonal in rows of W that are turned: tangents along the slip and across it, and on the surface
+/// of a cone the first one with the normal.  (solvers/complementarity, Eq. 3, 6)
 class ContactProjection {
  public:
   explicit ContactProjection(ConstraintSystem& system) : system_(system) {}
 
   /// y = λ of the guess.
   void begin(std::span<const double> lambda);
-  /// y and P' of x, which is looked at until the next call.
+  /// y and ∂prox of x, which is looked at until the next call.
   void project(const ContactProblem& problem, std::span<const double> x, std::span<const double> sigma);
 
   const std::vector<double>& y() const { return y_; }
-  /// The diagonal of P'; the caller may make D = P' Σ⁻¹ of it.
+  /// The diagonal of ∂prox; the caller may make D = ∂prox Σ⁻¹ of it.
   std::span<double> slope() { return slope_; }
-  /// W in the rows in which P' is diagonal, laid out like W.
+  /// W in the rows in which ∂prox is diagonal, laid out like W.
   std::span<const double> turned() const { return turned_; }
   /// ∂y_t/∂y_n of contact k along its slip; 0 where it sticks, or shares a load by the law of the cone.
   double coupling(int k) const { return coupling_[k]; }

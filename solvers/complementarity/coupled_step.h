@@ -11,12 +11,12 @@
 
 namespace taut {
 
-/// The Newton step of a round in which nothing of Coulomb's law is held fast.  With y_t = P_disc(μ y_n)(x_t)
-/// the derivative of Newton's equation is H + N: H = 1 + Wᵀ D Σ⁻¹ W, the primal matrix of all rounds, which
-/// has a factor, and N = Σ_k (μ/Σ_n) W_tᵀ W_n of rank one for each sliding contact, with W_t along its slip.
-/// Radii of spinning and rolling follow y_n, too, but not in the derivative: their lengths are small beside
-/// the bodies.  Solved by GMRES with H on the right [SaadSchultz1986]: (1 + N H⁻¹) z = −gradient, step = H⁻¹
-/// z.
+/// The Newton step of a round in which nothing of Coulomb's law is held fast.  With y_t = x_t cut off at μ
+/// y_n the derivative of Newton's equation is H + N: H = 1 + Wᵀ D Σ⁻¹ W, the primal matrix of all rounds,
+/// which has a factor, and N = Σ_k (μ/Σ_n) W_tᵀ W_n of rank one for each sliding contact, with W_t along its
+/// slip. Radii of spinning and rolling follow y_n, too, but not in the derivative: their lengths are small
+/// beside the bodies.  Solved by GMRES with H on the right [SaadSchultz1986]: (1 + N H⁻¹) z = −gradient, step
+/// = H⁻¹ z.
 class CoupledStep {
  public:
   explicit CoupledStep(ConstraintSystem& system) : system_(system) {}

@@ -16,12 +16,12 @@ InteriorOutcome InteriorPoint::solve(std::span<const RowLaw> laws, std::span<con
     outcome.converged = outcome.residual <= limits.tolerance;
     if (outcome.converged || !std::isfinite(outcome.residual) || outcome.iterations >= limits.iterations)
       return outcome;
-    const double mu = mean_product(0);
+    const double kappa = mean_product(0);
     set_stiffness(problem, 0, false);
     if (!system_.factorize_bodies(system_.weighted(), stiffness_, times)) return outcome;
     direction(problem);
-    const double left = mu > 0 ? mean_product(longest(1)) / mu : 0;
-    set_stiffness(problem, left * left * left * mu, true);
+    const double left = kappa > 0 ? mean_product(longest(1)) / kappa : 0;
+    set_stiffness(problem, left * left * left * kappa, true);
     direction(problem);
     move(problem, longest(Tuning::kInside));
   }
@@ -50,10 +50,10 @@ void InteriorPoint::begin(const Problem& problem) {
     power += range * rate;
     energy = std::max(energy, range * range * s);
   }
-  const double mu =
+  const double kappa =
       std::max({Tuning::kFirstMu * power / std::max<double>(1, elements_.size()), Tuning::kLeastMu * energy,
                 Tuning::kLeastMu * Tuning::kLeastMu * scale * scale});
-  for (Element& element : elements_) center(element, rates_[element.row], mu);
+  for (Element& element : elements_) center(element, rates_[element.row], kappa);
   update_impulses(problem);
 }
 
@@ -69,23 +69,23 @@ void InteriorPoint::add_elements(const RowLaw& law, int row) {
   }
 }
 
-/// p, q, z and y on the central path at w; of one-sided steps that w is beyond, at a point of that μ.
-void InteriorPoint::center(Element& element, double w, double mu) const {
+/// p, q, z and z' on the central path at w; of one-sided steps that w is beyond, at a point of that κ.
+void InteriorPoint::center(Element& element, double w, double kappa) const {
   const double rate = w - element.at, range = element.hi - element.lo;
-  const double least = std::sqrt(mu * diagonal_[element.row]);
+  const double least = std::sqrt(kappa * diagonal_[element.row]);
   element.p = element.q = RowLaw::kInfinity;
   if (std::isfinite(range)) {
-    const double turn = std::hypot(rate * range, 2 * mu), forward = std::abs(rate) * range;
-    const double near = 2 * mu * range / (forward + 2 * mu + turn);
+    const double turn = std::hypot(rate * range, 2 * kappa), forward = std::abs(rate) * range;
+    const double near = 2 * kappa * range / (forward + 2 * kappa + turn);
     element.p = rate > 0 ? near : range - near;
     element.q = rate > 0 ? range - near : near;
   } else if (std::isinf(element.hi)) {
-    element.p = mu / std::max(rate, least);
+    element.p = kappa / std::max(rate, least);
   } else {
-    element.q = mu / std::max(-rate, least);
+    element.q = kappa / std::max(-rate, least);
   }
-  element.z = mu / element.p;
-  element.y = mu / element.q;
+  element.z = kappa / element.p;
+  element.z2 = kappa / element.q;
 }
 
 /// λ of bounded rows from their elements.
@@ -96,9 +96,9 @@ void InteriorPoint::update_impulses(const Problem& problem) {
     problem.lambda[element.row] += element.p < element.q ? element.lo + element.p : element.hi - element.q;
 }
 
-/// δλ = −D (δw + …) of each row, for products that are to become μ; with the second order of the last
+/// δλ = −D (δw + …) of each row, for products that are to become κ; with the second order of the last
 /// direction.
-void InteriorPoint::set_stiffness(const Problem& problem, double mu, bool correct) {
+void InteriorPoint::set_stiffness(const Problem& problem, double kappa, bool correct) {
   for (std::size_t r = 0; r < problem.laws.size(); ++r) {
     const RowLaw& law = problem.laws[r];
     stiffness_[r] = law.bounded() ? law.slope : 1 / (Tuning::kEqualityRho * diagonal_[r]);
@@ -106,10 +106,10 @@ void InteriorPoint::set_stiffness(const Problem& problem, double mu, bool correc
   }
   for (Element& element : elements_) {
     const double p = element.p, q = element.q;
-    element.target_z = mu - (correct ? element.de * element.dz : 0);
-    element.target_y = mu + (correct ? element.de * element.dy : 0);
-    element.stiffness = 1 / (element.z / p + element.y / q);
-    element.off = rates_[element.row] - element.at - element.target_z / p + element.target_y / q;
+    element.target_z = kappa - (correct ? element.de * element.dz : 0);
+    element.target_z2 = kappa + (correct ? element.de * element.dz2 : 0);
+    element.stiffness = 1 / (element.z / p + element.z2 / q);
+    element.off = rates_[element.row] - element.at - element.target_z / p + element.target_z2 / q;
     stiffness_[element.row] += element.stiffness;
     off_[element.row] += element.stiffness * element.off;
   }
@@ -126,7 +126,7 @@ void InteriorPoint::direction(const Problem& problem) {
     const double p = element.p, q = element.q;
     element.de = -element.stiffness * (change_[element.row] + element.off);
     element.dz = std::isinf(p) ? 0 : (element.target_z - element.z * (p + element.de)) / p;
-    element.dy = std::isinf(q) ? 0 : (element.target_y - element.y * (q - element.de)) / q;
+    element.dz2 = std::isinf(q) ? 0 : (element.target_z2 - element.z2 * (q - element.de)) / q;
   }
 }
 
@@ -140,7 +140,7 @@ double InteriorPoint::longest(double part) const {
     stop(element.p, element.de);
     stop(element.q, -element.de);
     stop(element.z, element.dz);
-    stop(element.y, element.dy);
+    stop(element.z2, element.dz2);
   }
   return std::min(1.0, part * length);
 }
@@ -152,7 +152,7 @@ double InteriorPoint::mean_product(double length) const {
   for (const Element& element : elements_) {
     const double change = length * element.de;
     if (std::isfinite(element.lo)) sum += (element.p + change) * (element.z + length * element.dz), ++count;
-    if (std::isfinite(element.hi)) sum += (element.q - change) * (element.y + length * element.dy), ++count;
+    if (std::isfinite(element.hi)) sum += (element.q - change) * (element.z2 + length * element.dz2), ++count;
   }
   return count > 0 ? sum / count : 0;
 }
@@ -165,8 +165,8 @@ void InteriorPoint::move(const Problem& problem, double length) {
     element.p += length * element.de;
     element.q -= length * element.de;
     element.z += length * element.dz;
-    element.y += length * element.dy;
-    element.de = element.dz = element.dy = 0;
+    element.z2 += length * element.dz2;
+    element.de = element.dz = element.dz2 = 0;
   }
   system_.apply_W(v_, rates_);
   for (std::size_t r = 0; r < change_.size(); ++r) rates_[r] += problem.b[r];

@@ -13,7 +13,7 @@ namespace taut {
 struct InteriorPointTuning {
   /// Compliance of equalities over S_rr: it acts on the change of an iteration only.
   static constexpr double kEqualityRho = 1e-7;
-  /// μ at the start over the mean power of the elements, and the least over the largest energy of one.
+  /// κ at the start over the mean power of the elements, and the least over the largest energy of one.
   static constexpr double kFirstMu = 0.1, kLeastMu = 1e-6;
   /// Part of the way to the boundary that is gone.  Half: 3.5 times the factorisations of a net with
   /// friction; twice fails.
@@ -39,7 +39,7 @@ struct InteriorOutcome {
 /// predictor and corrector [Mehrotra1992], through the bodies (primal_matrix.h).  Each step of a law is an
 /// element with an impulse e of its own, λ_r = l + Σ e_k − c w_r, and
 ///
-///     w − w_k = z − y,    (e − lo) z = μ,  (hi − e) y = μ,    lo ≤ e ≤ hi,  z, y ≥ 0,   μ → 0.
+///     w − w_k = z − z',    (e − lo) z = κ,  (hi − e) z' = κ,    lo ≤ e ≤ hi,  z, z' ≥ 0,   κ → 0.
 ///
 /// The number of iterations hardly depends on how many rows there are or how many of them stick, and S may be
 /// singular.  (solvers/complementarity, "Many axes with friction")
@@ -58,11 +58,11 @@ class InteriorPoint {
   /// One step of the law of a row.
   struct Element {
     int row;
-    double at, lo, hi;    // w_k and the range of e
-    double p = 0, q = 0;  // e − lo and hi − e, each without cancellation
-    double z = 0, y = 0;
-    double de = 0, dz = 0, dy = 0;
-    double target_z = 0, target_y = 0;
+    double at, lo, hi;     // w_k and the range of e
+    double p = 0, q = 0;   // e − lo and hi − e, each without cancellation
+    double z = 0, z2 = 0;  ///< z and z'
+    double de = 0, dz = 0, dz2 = 0;
+    double target_z = 0, target_z2 = 0;
     double stiffness = 0, off = 0;  // δe = −stiffness (δw + off)
   };
   struct Problem {
@@ -73,9 +73,9 @@ class InteriorPoint {
 
   void begin(const Problem& problem);
   void add_elements(const RowLaw& law, int row);
-  void center(Element& element, double w, double mu) const;
+  void center(Element& element, double w, double kappa) const;
   void update_impulses(const Problem& problem);
-  void set_stiffness(const Problem& problem, double mu, bool correct);
+  void set_stiffness(const Problem& problem, double kappa, bool correct);
   void direction(const Problem& problem);
   double longest(double most) const;
   double mean_product(double length) const;

@@ -40,8 +40,8 @@ class ProximalRound {
   enum class Verdict { kOpen, kMet, kGivenUp };
   /// F at the present velocities, of which at most `left` Newton steps are allowed.
   Verdict look(const ContactProblem& problem, std::span<const double> y, int left);
-  /// Newton's step with the primal matrix 1 + Wᵀ D W, D = P' Σ⁻¹, which is left in the place of P', and what
-  /// friction that follows normal impulses adds to it.  False if it cannot be factored.
+  /// Newton's step with the primal matrix 1 + Wᵀ D W, D = ∂prox Σ⁻¹, which is left in the place of ∂prox, and
+  /// what friction that follows normal impulses adds to it.  False if it cannot be factored.
   bool find_step(ContactProjection& projection, StageTimes& times);
   /// F along the step, the slope of the function if there is one, at its begin and at a `length` of it where
   /// the laws answer y.

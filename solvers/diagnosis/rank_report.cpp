@@ -56,20 +56,20 @@ std::vector<JointId> find_self_stressed(const World& world, ConstraintSystem& sy
   return joints;
 }
 
-/// Who holds a dependent row r: with I the rows that are independent, S_II c = S_Ir gives the combination of
+/// Who holds a dependent row r: with I the rows that are independent, S_II a = S_Ir gives the combination of
 /// them that is row r, and joints with a large part in it, over the sizes of rows, hold it.
 std::vector<JointId> find_holders(const World& world, ConstraintSystem& system,
                                   std::span<const int> dependent, int row,
                                   std::span<const double> effective_mass) {
-  std::vector<double> unit(system.row_count(), 0.0), c(system.row_count());
+  std::vector<double> unit(system.row_count(), 0.0), part(system.row_count());
   unit[row] = 1;
-  system.multiply(unit, c);
-  for (int r : dependent) c[r] = 0;
-  system.solve(c);
+  system.multiply(unit, part);
+  for (int r : dependent) part[r] = 0;
+  system.solve(part);
   std::vector<double> share(world.joint_count(), 0.0);
   for (int r = 0; r < system.row_count(); ++r) {
     double& s = share[joint_of(system, r).index];
-    s = std::max(s, std::abs(c[r]) / std::sqrt(effective_mass[r]));
+    s = std::max(s, std::abs(part[r]) / std::sqrt(effective_mass[r]));
   }
   const int joint = joint_of(system, row).index;
   const double largest = max_abs(share);

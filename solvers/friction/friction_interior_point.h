@@ -4,7 +4,7 @@
 
 namespace taut {
 
-/// Interior points on  z = Pᵀ(W r + q) + |z_T| n,  r = P y,  y ∘ z → 0, with the slip |z_T| linearised like
+/// Interior points on  z = Dᵀ(W r + q) + |z_T| n,  r = D y,  y ∘ z → 0, with the slip |z_T| linearised like
 /// all else; predictor and corrector [Mehrotra1992].  Returns the impulses that were nearest to the laws;
 /// ends at 1e-6, from where Newton goes on.                                        (solvers/friction, Eq. 5)
 Eigen::VectorXd interior_point(const ScaledFriction& problem, BestImpulses& best);

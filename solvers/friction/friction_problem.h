@@ -43,18 +43,18 @@ struct GlobalFrictionProblem {
   FrictionProblem condensed() const;
 };
 
-/// How far impulses are from the laws, three measures that do not depend on units.  d is the mean diagonal of
-/// W over the rows of a contact, or that of an equality, P the projection onto K.
+/// How far impulses are from the laws, three measures that do not depend on units.  δ is the mean diagonal of
+/// W over the rows of a contact, or that of an equality, P_K the projection onto K.
 struct FrictionErrors {
-  /// max √d |F| / max(√d |r|, |q|/√d),  F = r − P(r − û/d); of equalities F = u/d.
+  /// max √δ |F| / max(√δ |r|, |q|/√δ),  F = r − P_K(r − û/δ); of equalities F = u/δ.
   double impulses = 0;
-  /// max √d |F| / max(|q|/√d): how far the rates are off where impulses are much larger than q needs.
+  /// max √δ |F| / max(|q|/√δ): how far the rates are off where impulses are much larger than q needs.
   double rates = 0;
-  /// |r − P(r − ρ û)|₂ / (ρ |q|₂),  ρ = 1/|W|₂.
+  /// |r − P_K(r − û/|W|₂)|₂ |W|₂ / |q|₂.
   double map = 0;
   /// What round-off of W r + q alone makes of `rates`, and of `map`: 16 ε |W| |r| over the same.
   double round_off = 0;
-  /// The row of the problem with the largest √d |F|; −1 if all are 0.
+  /// The row of the problem with the largest √δ |F|; −1 if all are 0.
   int worst_row = -1;
 
   /// Met to the tolerance, or as far as rates can be told.

@@ -9,8 +9,8 @@ namespace taut {
 namespace {
 
 struct FrictionSweepsTuning {
-  /// One contact by itself: fixed points of r ← P(r − γ û), for so many steps (60 take twice the time of all,
-  /// and lead to the same), or until one changes less than this part of r, a little above round-off.
+  /// One contact by itself: fixed points of r ← P_K(r − γ û), for so many steps (60 take twice the time of
+  /// all, and lead to the same), or until one changes less than this part of r, a little above round-off.
   static constexpr int kLocalSteps = 10;
   static constexpr double kLocalAccuracy = 1e-13;
 };

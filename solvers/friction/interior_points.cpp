@@ -143,7 +143,7 @@ void InteriorNewton::scale(int b, double smooth) {
     s.G.topRightCorner<1, 2>() -= z.tail<2>().transpose() / slip;
 }
 
-/// P W P + G T⁻² + compliance.
+/// D W D + G T⁻² + compliance.
 void InteriorNewton::assemble() {
   for (int b = 0; b < std::ssize(scaling_); ++b) {
     const auto& block = problem_.blocks()[b];

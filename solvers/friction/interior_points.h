@@ -20,7 +20,7 @@ struct InteriorPointsTuning {
   static constexpr double kEqualityCompliance = 1e-10, kCompliance = 1e-12;
 };
 
-/// Impulses y = P⁻¹ r and opened rates z within the cones |y_T| ≤ y_N, |z_T| ≤ z_N, P = diag(1/μ, 1, 1).
+/// Impulses y = D⁻¹ r and opened rates z within the cones |y_T| ≤ y_N, |z_T| ≤ z_N, D = diag(1/μ, 1, 1).
 /// Equalities have z = 0.                                                   (solvers/friction, Eq. 5)
 struct InteriorPoints {
   /// Within all cones, of the size of q.
@@ -34,7 +34,7 @@ struct InteriorPoints {
   /// The mean of y·z over the cones, now or after a part of a step.  @{
   double gap() const;
   double gap_after(double part, const Eigen::VectorXd& dy, const Eigen::VectorXd& dz) const;  /// @}
-  /// Pᵀ (W P y + q) − z + n √(z_T² + smooth²).
+  /// Dᵀ (W D y + q) − z + n √(z_T² + smooth²).
   Eigen::VectorXd residual(double smooth = 0) const;
   /// How far y ∘ z is from centre·1: the largest |eigenvalue/centre − 1|.
   double off_centre(double centre) const;

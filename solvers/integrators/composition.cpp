@@ -6,7 +6,7 @@
 namespace taut {
 namespace {
 
-// Order 4, 5 stages [Suzuki1990]: γ = 1 / (4 − 4^{1/3}).
+// Order 4, 5 stages [Suzuki1990]: α = 1 / (4 − 4^{1/3}).
 constexpr double kS = 0.41449077179437573714;
 constexpr double kOrder4[] = {kS, kS, 1 - 4 * kS, kS, kS};
 

@@ -7,8 +7,8 @@
 
 namespace taut {
 
-/// A symmetric composition of RATTLE, a symmetric scheme of order 2: its steps of γ₁h, γ₂h, … with Σ γ_i = 1
-/// are one of order 4, 6 or 8; some γ are negative.  Other integrators have γ₁ = 1 alone.  All stages of a
+/// A symmetric composition of RATTLE, a symmetric scheme of order 2: its steps of α₁h, α₂h, … with Σ α_i = 1
+/// are one of order 4, 6 or 8; some α are negative.  Other integrators have α₁ = 1 alone.  All stages of a
 /// step of h are taken or none, since one of another length would cost the order.  It is no Scheme around
 /// another: Substepping asks it for the next stage and tells it what failed, so that stages stand in the list
 /// of a step, and can be interrupted, as sub-steps do. (solvers/integrators, "Composition")
@@ -22,7 +22,7 @@ class Composition {
   /// No stage of it is left, or it is none of the present one any more.
   bool is_done() const { return left_.empty(); }
   void forget() { left_ = {}; }
-  /// γ h of the next stage.
+  /// α h of the next stage.
   double next();
   /// A stage has failed: the scheme is where it was when the step began.
   void give_up(Scheme& scheme, SubstepReport& report);
@@ -30,8 +30,8 @@ class Composition {
   double step_limit(const Scheme& scheme) const { return scheme.step_limit() / longest_; }
 
  private:
-  std::span<const double> fractions_, left_;  // γ, and of those stages that are still to be taken
-  double longest_ = 0, h_ = 0;                // |γ|, and h
+  std::span<const double> fractions_, left_;  // α, and of those stages that are still to be taken
+  double longest_ = 0, h_ = 0;                // |α|, and h
   State before_;
   std::vector<double> impulses_before_;
 };

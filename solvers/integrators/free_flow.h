@@ -4,7 +4,7 @@
 
 #include "solvers/system/mass_matrix.h"
 
-/// The kinetic flow of a free rigid body over a time h: momentum P and angular momentum L (world axes) are
+/// The kinetic flow of a free rigid body over a time h: momenta (linear and angular, world axes) are
 /// constant, only the pose moves. (solvers/integrators, Eq. 4)
 namespace taut {
 

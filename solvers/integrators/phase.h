@@ -8,7 +8,7 @@
 
 namespace taut {
 
-/// The bodies in phase space through the stages of a step: poses q, momenta p = (L, P) [N·m·s, N·s] in world
+/// The bodies in phase space through the stages of a step: poses q, momenta p = M V [N·m·s, N·s] in world
 /// axes about the centres of mass, zero for fixed bodies, and the forces f on them.
 ///
 ///   start          state, momenta, forces

@@ -12,7 +12,7 @@
 namespace taut {
 
 /// RATTLE [Andersen1983] on rigid bodies, the default integrator.  One step of length h from (q₀, p₀), where
-/// p = (L, P) are the momenta in world axes and S(q₀) is already factored:
+/// p = M V are the momenta in world axes and S(q₀) is already factored:
 ///
 ///   kick        p  = p₀ + h/2 f(q₀) + J(q₀)ᵀ λ
 ///   drift       q₁ = free flow of (q₀, p) over h, with λ such that φ(q₁) = 0     (simplified Newton, S(q₀))

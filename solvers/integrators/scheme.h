@@ -78,7 +78,7 @@ class Scheme {
 
   // Where it is.
   virtual const State& state() const = 0;
-  /// (L, P) of the bodies in world axes, those of state().
+  /// M V of the bodies in world axes, those of state().
   virtual std::span<const Wrench> momenta() const = 0;
   /// Impulses of the rows in the last advance, or since they were cleared [N·s, N·m·s].
   virtual std::span<const double> impulses() const = 0;

@@ -99,8 +99,8 @@ bool is_still(const Contact& contact, const BodyEnds& A, const BodyEnds& B) {
 
 }  // namespace
 
-/// The gap is the largest over unit vectors m of  m·D(m) − r_A − r_B,  D from the point of A's core farthest
-/// along m to that of B's farthest against it.
+/// The gap is the largest over unit vectors u of  u·D(u) − r_A − r_B,  D from the point of A's core farthest
+/// along u to that of B's farthest against it.
 MovedContact moved_contact(const Contact& contact, const Pose& A, const Pose& B, const Mat3& turn_A,
                            const Mat3& turn_B) {
   const Core on_A(contact.surface_A, turn_A, contact.normal),

@@ -82,7 +82,7 @@ class Stepper {
   const Scheme& scheme() const { return *scheme_; }
 
   const State& state() const { return scheme_->state(); }
-  /// (L, P) of the bodies in world axes.
+  /// M V of the bodies in world axes.
   std::span<const Wrench> momenta() const { return scheme_->momenta(); }
   /// Of the rows over the last step.
   std::span<const double> impulses() const { return scheme_->impulses(); }

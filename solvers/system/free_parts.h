@@ -12,7 +12,7 @@ namespace taut {
 
 /// The parts of a system that nothing ties to what is fixed, and their motions as rigid bodies V = R c with
 /// c = (ω, v) a twist at the part's centre of mass: A = RᵀMR is the part's inertia as one body, Rᵀp are its
-/// momenta (L about that centre, P), and of the rows within it J R = 0.
+/// momenta (angular about that centre, and linear), and of the rows within it J R = 0.
 ///
 /// A filter p ← F p body by body, symmetric in the sense that F M is, changes these sums.  Between take_out()
 /// and put_back() it becomes

@@ -41,7 +41,7 @@ bool AxisServoLaw::set(const AxisStage& stage) {
                                         : set_first_kick(stage);
 }
 
-/// The error x = θ − r has the mean rate u = w − ṙ: −h/2 k (x₀ + h/2 u) − h/2 d u − e u.
+/// The error x = θ − r has the mean rate u = w − ṙ: −h/2 k (x₀ + h/2 u) − h/2 d u − η u.
 bool AxisServoLaw::set_first_kick(const AxisStage& stage) {
   const AxisMotor& motor = *stage.p.motor;
   const double h = stage.step.h, kick = 0.5 * h;

@@ -15,7 +15,7 @@ namespace taut {
 struct AxisServoLaw : AxisPartLaw {
   ImpulseLine line;      ///< of this stage, without the bound
   double bound = 0;      ///< impulse in this stage; 0: none [N·m·s or N·s]
-  double excess = 0;     ///< e, slope beyond that of the midpoint rule
+  double excess = 0;     ///< η, slope beyond that of the midpoint rule
   TangentPoint tangent;  ///< where the law is taken as its line or one of its ends
 
   void begin(const AxisProperties&, const AxisStep&, const AxisStart& start) { tangent.start(start.rate); }

@@ -20,7 +20,7 @@ inline bool is_curved(const AxisProperties& p) { return !detail::is_linear(p.spr
 /// at mid-step.  RATTLE gives in the second kick what springs and dampers gave in the first; stiff dampers,
 /// and what springs have in excess of the midpoint rule (axis_unresolved.h), act on θ̇(q₁) there instead.
 struct AxisSpringLaw : AxisPartLaw {
-  double excess = 0;                  ///< e, slope beyond h²k/4 of a spring that is not resolved
+  double excess = 0;                  ///< η, slope beyond h²k/4 of a spring that is not resolved
   double limit_excess = 0;            ///< the same of a soft limit
   ImpulseLine spring, damper, limit;  ///< of this stage
   /// Impulses of the first kick [N·m·s or N·s].

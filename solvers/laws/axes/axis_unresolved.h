@@ -16,16 +16,16 @@ class ConstraintSystem;
 /// The midpoint rule keeps the energy of a spring as long as S_rr is the same in both kicks.  Elsewhere
 /// directions and levers turn with the bodies, and λ²(S₁ − S₀)/2 is work that no potential returns: where
 /// h²k > m, so that λ is as large as the momentum, a part (S₁ − S₀)/S of the spring's energy in each step.
-/// The excess e of (solvers/laws, Eq. 3) is a force from nearer the end of the step in the first kick and an
+/// The excess η of (solvers/laws, Eq. 3) is a force from nearer the end of the step in the first kick and an
 /// implicit damper in the second.  For h²k/m → ∞ both eigenvalues of a step tend to 0, and with S constant
 /// the energy changes by
 ///
-///     −Σ (2 e w² + e θ̇₁²) − ½ (e θ̇₁)ᵀ S (e θ̇₁) ≤ 0,
+///     −Σ (2 η w² + η θ̇₁²) − ½ (η θ̇₁)ᵀ S (η θ̇₁) ≤ 0,
 ///
-/// so that e may differ from step to step and from axis to axis.  Its second bound lets an axis that is
+/// so that η may differ from step to step and from axis to axis.  Its second bound lets an axis that is
 /// stretched by d ≥ d₁ return by no more than d₁, however short the step: the midpoint rule would go as far
-/// beyond the rest, and Newton's method does not follow bodies around within a step.  e acts on rates alone,
-/// so what rests on such a spring has no velocity.  What e takes is recorded as integration.  Where the
+/// beyond the rest, and Newton's method does not follow bodies around within a step.  η acts on rates alone,
+/// so what rests on such a spring has no velocity.  What η takes is recorded as integration.  Where the
 /// effective mass is constant (one freedom against a fixed body, springs between centres) the midpoint rule
 /// stays.
 ///
