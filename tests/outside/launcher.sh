@@ -3,7 +3,7 @@
 #   launcher.sh LAUNCHER
 # The sources are a program of three lines, which prints a word and its arguments.
 set -eu
-launcher=$1
+launcher=$(cd "$(dirname "$1")" && pwd -P)/$(basename "$1")
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 unset TAUT_BUILD_DIR CMAKE_GENERATOR

@@ -6,12 +6,12 @@
 set -euo pipefail
 TIMEFORMAT='%R s, of which %U + %S s of processor time'
 tree=$(cd "$(dirname "$0")/../.." && pwd -P)
-debs=$(cd "${1:-$tree/build/package}" && pwd -P)
-
 skip() {
   echo "skipped: $*"
   exit 77
 }
+[ -d "${1:-$tree/build/package}" ] || skip "needs the packages that ./taut package makes"
+debs=$(cd "${1:-$tree/build/package}" && pwd -P)
 [ "$(id -u)" = 0 ] || skip "needs root"
 command -v mmdebstrap >/dev/null || skip "needs mmdebstrap (apt-get install mmdebstrap)"
 for deb in taut taut-dev python3-taut; do
