@@ -1,5 +1,9 @@
 #include "core/base/thread_pool.h"
 
+#ifndef _WIN32
+#include <unistd.h>
+#endif
+
 #include <algorithm>
 #include <atomic>
 #include <condition_variable>
@@ -15,8 +19,21 @@
 #include "core/base/interruption.h"
 
 namespace taut::detail {
+namespace {
+
+/// Another one in a child of fork(), which has the memory of its parent and none of its threads.
+long process_id() {
+#ifdef _WIN32
+  return 0;
+#else
+  return getpid();
+#endif
+}
+
+}  // namespace
 
 struct ThreadPool::Impl {
+  const long process = process_id();
   std::mutex mutex;
   std::unique_ptr<std::condition_variable[]> wake;  // of each thread
   std::condition_variable done;
@@ -100,14 +117,18 @@ ThreadPool::ThreadPool(int threads, const ThreadStarter& start) : impl_(std::mak
   }
 }
 
-ThreadPool::~ThreadPool() = default;
+/// Threads of another process cannot be told to stop, nor can what they wait for be destroyed.
+ThreadPool::~ThreadPool() {
+  if (!is_here()) (void)impl_.release();
+}
 
 int ThreadPool::size() const { return static_cast<int>(impl_->threads.size()) + 1; }
 int ThreadPool::missing() const { return impl_->missing; }
+bool ThreadPool::is_here() const { return impl_->process == process_id(); }
 
 void ThreadPool::run(int tasks, const std::function<void(int, int)>& work, int workers) {
   workers = std::min({workers, size(), tasks});
-  if (workers <= 1) {
+  if (workers <= 1 || !is_here()) {
     for (int task = 0; task < tasks; ++task) poll_interrupt(), work(task, 0);
     return;
   }

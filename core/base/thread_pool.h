@@ -19,6 +19,9 @@ using ThreadStarter = std::function<std::jthread(std::function<void()> work)>;
 std::jthread start_thread(std::function<void()> work);
 
 /// Threads that wait for work.  The caller is worker 0 and works, too.
+///
+/// In a process that was forked from that which made the pool its threads are not there: run() then does all
+/// tasks by itself, and the destructor waits for nobody.
 class ThreadPool {
  public:
   /// Where one cannot be started, the pool goes on with those before it.
@@ -31,6 +34,8 @@ class ThreadPool {
   int size() const;
   /// Those that could not be started.
   int missing() const;
+  /// Its threads are in this process.
+  bool is_here() const;
   /// Calls work(task, worker) once for each task in [0, tasks), in any order and on any worker, and returns
   /// when all are done.  What the tasks compute must not depend on either.  The first exception is thrown
   /// again here.  Workers round as the caller's thread does, and between tasks they ask what it would

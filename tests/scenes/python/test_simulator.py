@@ -1,5 +1,6 @@
 """Steps, reports, checkpoints, interruptions and threads."""
 
+import gc
 import os
 import pickle
 import signal
@@ -313,3 +314,19 @@ def test_threads_do_not_change_bits():
         return bits(scene.world)
 
     assert end(1) == end(2)
+
+
+def test_a_forked_process_goes_on_with_a_simulator_and_ends_it():
+    scene = taut.build_scene("net-corners", n=40)
+    scene.settings.threads = 2
+    simulator = taut.Simulator(scene.world, scene.settings)
+    simulator.step(scene.dt)
+    child = os.fork()
+    if child == 0:  # threads of the parent are not there
+        signal.alarm(60)
+        ok = simulator.step(scene.dt).ok()
+        del simulator
+        gc.collect()
+        os._exit(0 if ok else 1)
+    assert os.waitpid(child, 0)[1] == 0
+    assert simulator.step(scene.dt).ok()
