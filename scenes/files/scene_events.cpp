@@ -273,7 +273,7 @@ void SceneReader::read_event(const JsonNode& node) {
       event.when = AtTime{cause->number()};
     else if (cause)
       event.when = read_passage(*this, *cause);
-    if (const auto list = keys.required("do"))
+    if (const auto list = keys.find("when") ? keys.find("do") : keys.required("do"))
       for (const JsonNode& item : list->items("an array of actions"))
         event.actions.push_back(read_action(*this, item));
     keys.reject_unknown_keys();

@@ -170,7 +170,7 @@ void bind_events(nb::module_& m) {
              std::vector<EventAction> actions) {
             new (it) Event{std::move(name), std::move(when), std::move(actions)};
           },
-          nb::arg("name"), nb::arg("when"), nb::arg("actions"))
+          nb::arg("name"), nb::arg("when"), nb::arg("actions") = std::vector<EventAction>())
       .def_ro("name", &Event::name)
       .def(
           "text", [](const Event& it, const World& world) { return text_of(it, world); }, nb::arg("world"),

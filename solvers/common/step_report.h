@@ -140,7 +140,7 @@ struct BreakEvent {
 struct EventRecord {
   int event = 0;                ///< its place in the list
   std::string name;             ///< of the event
-  std::string what;             ///< what it did: "detach hook"
+  std::string what;             ///< what it did: "detach hook"; empty: it warns
   double time = 0;              ///< when [s]
   std::optional<double> value;  ///< of what it watches, then; none for a time
   bool ends_run = false;        ///< it ends the run

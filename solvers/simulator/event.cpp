@@ -190,7 +190,8 @@ void check_event(const World& world, const Event& event) {
     require_finite(name + ": threshold", passes.threshold);
     if (!passes.watch.value) fail(name + ": watch", "must be callable", "empty function");
   }
-  if (event.actions.empty()) fail(name, "must do something", "no action");
+  if (event.actions.empty() && std::holds_alternative<AtTime>(event.when))
+    fail(name, "must do something", "no action");
   for (const EventAction& action : event.actions) std::visit(CheckAction{world, name}, action);
 }
 

@@ -54,7 +54,8 @@ struct AtTime {
   double time = 0;  ///< [s]
 };
 
-/// When a number passes a threshold: it was on one side and is at it or beyond.
+/// When a number passes a threshold: it was on one side and is at it or beyond.  An event of this that does
+/// nothing is a warning: the report has it.
 struct WhenPasses {
   enum class Way { kRising, kFalling, kEither };  ///< Which passages count.
   Watch watch;                                    ///< the number

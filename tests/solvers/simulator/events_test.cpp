@@ -459,6 +459,56 @@ TEST(Events, ARunEndsWithTheEventThatEndsIt) {
   EXPECT_EQ(simulator.run_until(1, 0.1).last.time, 1);  // whoever goes on may
 }
 
+/// A rod on a hinge, which a symplectic Euler method without a cure of drift opens by a little each step.
+struct Drifting {
+  World world;
+  JointId pivot;
+  Drifting() {
+    const BodyId rod = world.add_body(
+        {.name = "rod", .mass = MassProperties(10, Vec3(0.1, 0.9, 0.9)), .pose = {.p = Vec3(0.5, 0, 0)}});
+    pivot = world.add("pivot", Hinge::at(world, kGround, rod, Vec3::Zero(), Vec3::UnitY()));
+  }
+  std::vector<Event> limits() const {
+    const Watch gap = Watch::joint_gap(world, pivot);
+    return {{"opens", WhenPasses{gap, 1e-3, Way::kRising}, {}},
+            {"is lost", WhenPasses{gap, 1e-2, Way::kRising}, {DetachJoint{pivot}}}};
+  }
+};
+
+/// An error limit: a gap is told of at first, and further on the joint is given up.
+TEST(Events, ErrorLimitsWarnAndBreak) {
+  Drifting d;
+  Simulator simulator(d.world, {.integrator = Integrator::kForceEuler, .drift_cure = DriftCure::kNone});
+  simulator.set_events(d.limits());
+  double before = 0;
+  while (simulator.events_happened().size() < 2 && d.world.time() < 20) {
+    ASSERT_TRUE(simulator.step(0.01).ok());
+    if (simulator.events_happened().empty()) before = simulator.report().gap.metres;
+  }
+  ASSERT_EQ(simulator.events_happened().size(), 2u);
+  const EventRecord &warning = simulator.events_happened()[0], &loss = simulator.events_happened()[1];
+  EXPECT_EQ(warning.name, "opens");
+  EXPECT_EQ(warning.what, "");
+  EXPECT_LT(before, 1e-3);
+  EXPECT_NEAR(warning.value.value(), 1e-3, 1e-8);
+  EXPECT_EQ(loss.what, "detach pivot");
+  EXPECT_NEAR(loss.value.value(), 1e-2, 1e-7);
+  EXPECT_LT(warning.time, loss.time);
+  EXPECT_FALSE(d.world.is_attached(d.pivot));
+}
+
+TEST(Events, ErrorLimitsAreNotReachedByMethodsThatCloseJoints) {
+  for (const Settings& settings :
+       {Settings{}, Settings{.integrator = Integrator::kForceEuler, .drift_cure = DriftCure::kPositionPush}}) {
+    Drifting d;
+    Simulator simulator(d.world, settings);
+    simulator.set_events(d.limits());
+    ASSERT_TRUE(simulator.run_until(5, 0.01).ok());
+    EXPECT_TRUE(simulator.events_happened().empty());
+    EXPECT_TRUE(d.world.is_attached(d.pivot));
+  }
+}
+
 TEST(Events, BadOnesAreRefusedByName) {
   Crane c;
   Simulator simulator(c.world);
