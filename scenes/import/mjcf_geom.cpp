@@ -145,14 +145,15 @@ namespace {
 
 /// @throws std::invalid_argument for what has no counterpart.
 Shape shape_of(const MjcfElement& geom, const std::string& type, const std::optional<Ends>& ends,
-               const MjcfMeshes& meshes) {
+               const MjcfMeshes& meshes, const MjcfFields& fields) {
   const std::string mesh = geom.text("mesh");
   if (type == "plane") {
     geom.find("size");
     return HalfSpace{};
   }
   if (type == "mesh") return meshes.mesh(mesh).hull;
-  if (type == "hfield" || type == "sdf") fail("geom", "has no counterpart", type);
+  if (type == "hfield") return fields.field(geom.text("hfield"));
+  if (type == "sdf") fail("geom", "has no counterpart", type);
   if (!mesh.empty()) {
     (void)meshes.mesh(mesh);
     fail("geom", "a primitive that is fitted to a mesh has no counterpart", mesh);
@@ -164,7 +165,8 @@ Shape shape_of(const MjcfElement& geom, const std::string& type, const std::opti
 
 }  // namespace
 
-MjcfGeom read_geom(const MjcfElement& geom, const MjcfCompiler& compiler, const MjcfMeshes& meshes) {
+MjcfGeom read_geom(const MjcfElement& geom, const MjcfCompiler& compiler, const MjcfMeshes& meshes,
+                   const MjcfFields& fields) {
   MjcfGeom result;
   const std::string mesh = geom.text("mesh"), type = geom.text("type", mesh.empty() ? "sphere" : "mesh");
   result.group = static_cast<int>(std::clamp(geom.number("group", 0), -1e6, 1e6));
@@ -178,7 +180,7 @@ MjcfGeom read_geom(const MjcfElement& geom, const MjcfCompiler& compiler, const 
   shape.touches.affinity = bits(geom, "conaffinity");
   shape.name = geom.text("name");
   try {
-    shape.shape = shape_of(geom, type, ends, meshes);
+    shape.shape = shape_of(geom, type, ends, meshes, fields);
     if (result.weighs)
       result.inertia =
           weight(geom, shape, type == "mesh" ? meshes.mesh(mesh).inertia : inertia_of_shape(shape.shape));

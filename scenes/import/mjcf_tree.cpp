@@ -227,7 +227,7 @@ bool MjcfTree::adds_inertia(const MjcfGeom& geom, int link) const {
 
 void MjcfTree::read_geom_of(const pugi::xml_node& node, const Where& where) {
   const MjcfElement element = defaults_.element(node, where.childclass);
-  MjcfGeom geom = read_geom(element, compiler_, meshes_);
+  MjcfGeom geom = read_geom(element, compiler_, meshes_, fields_);
   const std::string name = name_of(element, where);
   std::vector<LinkShape>& shapes = model_.shapes_of(where.link);
   if (!name.empty()) names_.geoms[name] = {where.link, geom.shape ? static_cast<int>(shapes.size()) : -1};

@@ -4,6 +4,7 @@
 #include <charconv>
 #include <map>
 
+#include "scenes/import/height_picture.h"
 #include "scenes/import/link_inertia.h"
 #include "scenes/import/mesh_shape.h"
 #include "scenes/import/sdf_sensor.h"
@@ -192,12 +193,35 @@ class SdfModelReader {
       files_.child(plane, "size");
       return HalfSpace{};
     }
+    if (const auto cone = files_.child(geometry, "cone")) return cone_of(cone, X_LS);
+    if (const auto map = files_.child(geometry, "heightmap")) return field_of(map, X_LS);
     if (const auto mesh = files_.child(geometry, "mesh")) {
       const Vec3 scale = files_.child(mesh, "scale") ? triple(mesh, "scale") : Vec3(Vec3::Ones());
       return mesh_hull(files_.folder(mesh), text(mesh, "uri"), scale);
     }
     note(geometry, "<geometry>: of this kind has no counterpart: left out");
     return {};
+  }
+
+  /// Its frame is in the middle of its length, with the apex at +z; the shape's is at the centre of its mass.
+  Shape cone_of(const pugi::xml_node& node, Pose& X_LS) {
+    const Cone cone{length(node, "radius"), length(node, "length")};
+    X_LS = X_LS * Pose{Quat::Identity(), Vec3(0, 0, -cone.height / 4)};
+    return cone;
+  }
+
+  /// A picture, with its first row at +y: its largest value is as high as the size says, black is 0.
+  Shape field_of(const pugi::xml_node& node, Pose& X_LS) {
+    const Vec3 size = files_.child(node, "size") ? triple(node, "size") : Vec3(Vec3::Ones());
+    for (double edge : size) positive(files_, node, "size", edge);
+    const std::string uri = text(node, "uri");
+    HeightPicture picture = read_png(read_named_file(files_.folder(node), uri));
+    const double most = std::ranges::max(picture.values);
+    for (double& value : picture.values) value *= most > 0 ? size.z() / most : 0;
+    turn_rows(picture.values, picture.width);
+    if (files_.child(node, "pos")) X_LS = X_LS * Pose{Quat::Identity(), triple(node, "pos")};
+    note(node, "<heightmap>: all that is below it is solid");
+    return field_over(picture.width, picture.height, size, std::move(picture.values));
   }
 
   // --- joints
