@@ -146,7 +146,9 @@ void SceneDocument::write_loop(SceneJson& joints, const Loop& loop) {
   if (loop.a.link == loop.b.link) return note(loop.place, "joins a body to itself: left out");
   if (!loop.axes.empty()) return write_closing_joint(joints, loop);
   SceneJson json{{"name", unique(joint_names_, loop.name, "loop")},
-                 {"type", loop.fixed ? "fixed" : "ball"},
+                 {"type", loop.fixed   ? "fixed"
+                          : loop.hinge ? "hinge"
+                                       : "ball"},
                  {"a", body(loop.a.link)},
                  {"b", body(loop.b.link)},
                  {"frame", "world"},
@@ -157,6 +159,11 @@ void SceneDocument::write_loop(SceneJson& joints, const Loop& loop) {
     const Quat q_AB = pose(loop.a.link).q.conjugate() * A.q * B.q.conjugate() * pose(loop.b.link).q;
     json["orientation"] = quaternion_json(q_AB);
     open_ = open_ || loop.active;
+  }
+  if (loop.hinge) {
+    const Vec3 axis_A = A.q * *loop.hinge, axis_B = B.q * *loop.hinge;
+    json["axis_a"] = vector_json(axis_A.normalized()), json["axis_b"] = vector_json(axis_B.normalized());
+    open_ = open_ || (loop.active && (axis_A - axis_B).norm() > kOpen);
   }
   open_ = open_ || (loop.active && (A.p - B.p).norm() > kOpen);
   if (!loop.active) json["attached"] = false;
@@ -286,11 +293,24 @@ void SceneDocument::write_rope(SceneJson& document, const Wire& wire) {
 }
 
 void SceneDocument::write_bar(SceneJson& document, const Wire& wire) {
+  if (wire.pulley) return write_pulley(document, wire);
   open_ = open_ || (wire.bar_active &&
                     std::abs((world(wire.points[1]).p - world(wire.points[0]).p).norm() - *wire.bar) > kOpen);
   SceneJson json{
       {"name", unique(joint_names_, wire.name, "bar")}, {"type", "distance"}, {"length", *wire.bar}};
   json.update(wire_ends(wire));
+  if (!wire.bar_active) json["attached"] = false;
+  document["joints"].push_back(std::move(json));
+}
+
+void SceneDocument::write_pulley(SceneJson& document, const Wire& wire) {
+  SceneJson json{{"name", unique(joint_names_, wire.name, "pulley")},
+                 {"type", "pulley"},
+                 {"length", *wire.bar},
+                 {"ratio", wire.ratio},
+                 {"frame", "world"}};
+  for (const LinkFrame& point : wire.points)
+    json["points"].push_back({{"body", body(point.link)}, {"point", vector_json(world(point).p)}});
   if (!wire.bar_active) json["attached"] = false;
   document["joints"].push_back(std::move(json));
 }

@@ -72,6 +72,7 @@ class SceneDocument {
   SceneJson wire_ends(const Wire& wire) const;
   void write_rope(SceneJson& document, const Wire& wire);
   void write_bar(SceneJson& document, const Wire& wire);
+  void write_pulley(SceneJson& document, const Wire& wire);
   void write_wire_spring(SceneJson& document, const Wire& wire);
   void write_probes(SceneJson& document);
   SceneJson probe_json(const ModelProbe& probe, bool& known);
