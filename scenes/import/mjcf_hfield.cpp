@@ -86,32 +86,37 @@ HeightField scaled_field(const Elevations& given, const Vec3& size) {
 MjcfFields::MjcfFields(XmlFiles& files, const MjcfDefaults& defaults, const MjcfCompiler& compiler,
                        const pugi::xml_node& mujoco, std::vector<ImportNotice>& notices) {
   for (const pugi::xml_node& asset : files.children(mujoco, "asset"))
-    for (const pugi::xml_node& node : files.children(asset, "hfield")) {
-      const MjcfElement hfield = defaults.element(node, "");
-      const std::string file = hfield.text("file");
-      Entry& entry = fields_[hfield.text("name", std::filesystem::path(file).stem().string().c_str())];
-      const char* text = files.required(node, "size");
-      const auto size = exactly(files, node, "size", text, 4);  // half x, half y, z, and of the base
-      for (double length : size) positive(files, node, "size", length);
-      try {
-        entry.field = scaled_field(file.empty() ? read_field_text(hfield) : read_field_file(hfield, compiler),
-                                   {2 * size[0], 2 * size[1], size[2]});
-      } catch (const ImportError&) {
-        throw;
-      } catch (const std::invalid_argument& error) {
-        entry.problem = hfield.place().text() + ": " + error.what();
-        continue;
-      }
-      if (file.empty() && !node.attribute("elevation"))
-        notices.push_back({files.place(node), "<hfield> whose heights a program sets later: it is flat", 1});
-      notices.push_back(
-          {files.place(node), "<hfield>: it has no base and no sides, all that is below it is solid", 1});
-    }
+    for (const pugi::xml_node& node : files.children(asset, "hfield"))
+      files.attempt([&] { read(defaults.element(node, ""), compiler, notices); });
+}
+
+void MjcfFields::read(const MjcfElement& hfield, const MjcfCompiler& compiler,
+                      std::vector<ImportNotice>& notices) {
+  XmlFiles& files = hfield.files();
+  const pugi::xml_node& node = hfield.node();
+  const std::string file = hfield.text("file");
+  Entry& entry = fields_[hfield.text("name", std::filesystem::path(file).stem().string().c_str())];
+  const char* text = files.required(node, "size");
+  const auto size = exactly(files, node, "size", text, 4);  // half x, half y, z, and of the base
+  for (double length : size) positive(files, node, "size", length);
+  try {
+    entry.field = scaled_field(file.empty() ? read_field_text(hfield) : read_field_file(hfield, compiler),
+                               {2 * size[0], 2 * size[1], size[2]});
+  } catch (const ImportError&) {
+    throw;
+  } catch (const std::invalid_argument& error) {
+    entry.problem = hfield.place().text() + ": " + error.what();
+    return;
+  }
+  if (file.empty() && !node.attribute("elevation"))
+    notices.push_back({hfield.place(), "<hfield> whose heights a program sets later: it is flat", 1});
+  notices.push_back(
+      {hfield.place(), "<hfield>: it has no base and no sides, all that is below it is solid", 1});
 }
 
 const HeightField& MjcfFields::field(const std::string& name) const {
   const auto found = fields_.find(name);
-  if (found == fields_.end()) fail("hfield", "there is none of this name", name);
+  if (found == fields_.end()) fail("hfield", "there is none of this name" + near_name(name, fields_), name);
   if (!found->second.problem.empty()) throw std::invalid_argument(found->second.problem);
   return found->second.field;
 }

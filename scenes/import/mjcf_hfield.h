@@ -18,6 +18,7 @@ class MjcfFields {
     HeightField field;
     std::string problem;
   };
+  void read(const MjcfElement& hfield, const MjcfCompiler& compiler, std::vector<ImportNotice>& notices);
   std::map<std::string, Entry> fields_;
 };
 

@@ -27,13 +27,15 @@ class SdfModelReader {
     static_ = flag(node_, "static", false);
     own_touch_ = flag(node_, "self_collide", false);
     gather_frames();
-    for (const pugi::xml_node& link : files_.children(node_, "link")) read_link(link);
-    for (const pugi::xml_node& joint : files_.children(node_, "joint")) read_joint(joint);
-    for (const pugi::xml_node& joint : files_.children(node_, "joint"))
-      if (std::string_view(joint.attribute("type").value()) == "gearbox")
-        read_gearbox(joint);
-      else if (!static_)
-        relate(joint);
+    const auto each = [&](const char* name, void (SdfModelReader::*read_one)(const pugi::xml_node&)) {
+      bool all = true;
+      for (const pugi::xml_node& node : files_.children(node_, name))
+        all = files_.attempt([&] { (this->*read_one)(node); }) && all;
+      return all && is_whole_;
+    };
+    // What follows would lack what is wrong.
+    if (each("link", &SdfModelReader::read_link) && each("joint", &SdfModelReader::read_joint))
+      each("joint", &SdfModelReader::relate);
   }
 
  private:
@@ -82,7 +84,9 @@ class SdfModelReader {
   Pose frame(const pugi::xml_node& from, const std::string& name, int depth = 0) {
     if (name.empty() || name == "__model__" || name == "world") return {};
     const auto found = frames_.find(name);
-    if (found == frames_.end()) files_.fail(from, "there is no frame of this name (value: " + name + ")");
+    if (found == frames_.end())
+      files_.fail(from,
+                  "there is no frame of this name" + near_name(name, frames_) + " (value: " + name + ")");
     return pose_in_model(found->second, depth + 1);
   }
 
@@ -108,7 +112,8 @@ class SdfModelReader {
     link.X_WL.q.normalize();
     link.free = !static_;
     link.inertia = inertia_of(node);
-    for (const pugi::xml_node& shape : files_.children(node, "collision")) read_collision(link, shape);
+    for (const pugi::xml_node& shape : files_.children(node, "collision"))
+      is_whole_ = files_.attempt([&] { read_collision(link, shape); }) && is_whole_;
     const int index = static_cast<int>(model_.links.size());
     for (const pugi::xml_node& sensor : files_.children(node, "sensor"))
       read_sdf_sensor(files_, sensor, {index, {}}, false, model_);
@@ -228,7 +233,9 @@ class SdfModelReader {
   int link_of(const pugi::xml_node& joint, const std::string& name) {
     if (name == "world") return kWorld;
     const auto found = index_.find(name);
-    if (found == index_.end()) files_.fail(joint, "there is no link of this name (value: " + name + ")");
+    if (found == index_.end())
+      files_.fail(joint,
+                  "there is no link of this name" + near_name(name, index_) + " (value: " + name + ")");
     return found->second;
   }
 
@@ -284,7 +291,10 @@ class SdfModelReader {
     if (type == "universal" || type == "revolute2")
       return {axis_of(node, "axis", name + "_1", Freedom::kHinge, child),
               axis_of(node, "axis2", name + "_2", Freedom::kHinge, child)};
-    files_.fail(node, "joint \"" + name + "\" has an unknown type (value: " + type + ")");
+    files_.fail(node, "joint \"" + name + "\" has an unknown type" +
+                          meant_type(type, {"fixed", "revolute", "continuous", "prismatic", "ball", "screw",
+                                            "universal", "revolute2", "gearbox"}) +
+                          " (value: " + type + ")");
   }
 
   LinkAxis axis_of(const pugi::xml_node& joint, const char* key, const std::string& name, LinkAxis::Kind kind,
@@ -302,6 +312,9 @@ class SdfModelReader {
     }
     axis.axis = X_LM.q * (axis_frame(node, X_MJ) * direction(files_, node, "xyz", triple(node, "xyz")));
     if (const auto limit = files_.child(node, "limit")) {
+      const bool effort = files_.child(limit, "effort"), velocity = files_.child(limit, "velocity");
+      if (effort || velocity)
+        note(limit, "<limit>: <effort> and <velocity> bound a motor, and an SDF has none: nothing to bound");
       axis.law.lower = value(limit, "lower", -kNoLimit);
       axis.law.upper = value(limit, "upper", kNoLimit);
       if (std::abs(axis.law.lower) >= 1e16) axis.law.lower = -kNoLimit;  // what stands for none
@@ -328,8 +341,10 @@ class SdfModelReader {
     return given && *given ? frame(axis, given).q : X_MJ.q;
   }
 
-  /// Mimics and sensors of a joint, which need the others.
+  /// Gearboxes, and mimics and sensors of a joint, which need the others.
   void relate(const pugi::xml_node& node) {
+    if (std::string_view(node.attribute("type").value()) == "gearbox") return read_gearbox(node);
+    if (static_) return;
     const std::string name = files_.required(node, "name");
     for (const char* key : {"axis", "axis2"})
       if (const auto axis = files_.child(node, key))
@@ -405,6 +420,7 @@ class SdfModelReader {
   RobotModel& model_;
   Pose X_WM_;
   bool static_ = false, own_touch_ = false;
+  bool is_whole_ = true;  // no part of a link is wrong
   std::map<std::string, pugi::xml_node> frames_;
   std::map<std::string, int> index_;
   std::map<std::string, int> link_of_joint_;  // the link that hangs on it; kWorld: it closes a loop
@@ -424,9 +440,10 @@ RobotModel read_sdf(XmlFiles& files, const pugi::xml_node& sdf) {
   }
   if (models.empty()) files.fail(sdf, "has no <model>");
   for (const pugi::xml_node& node : models) {
-    SdfModelReader(files, node, model).read();
+    files.attempt([&] { SdfModelReader(files, node, model).read(); });
     ++model.models;
   }
+  files.throw_problems();
   if (models.size() == 1) model.name = models[0].attribute("name").value();
   return model;
 }
