@@ -41,11 +41,10 @@ void read_png_head(std::string_view data, PngFile& png) {
     fail("PNG", "has more than 4200000 pixels", static_cast<double>(width) * height);
   png.width = static_cast<int>(width), png.height = static_cast<int>(height);
   png.bits = static_cast<std::uint8_t>(data[8]), png.colours = static_cast<std::uint8_t>(data[9]);
-  const bool grey = png.colours == 0, palette = png.colours == 3;
-  const bool deep = png.bits == 8 || (png.bits == 16 && !palette);
-  const bool shallow = (grey || palette) && (png.bits == 1 || png.bits == 2 || png.bits == 4);
-  if (png.colours > 6 || png.colours == 1 || png.colours == 5 || (!deep && !shallow))
-    fail("PNG", "has a colour type that there is not", png.colours);
+  constexpr int kSorts[][2] = {{0, 1}, {0, 2}, {0, 4}, {0, 8}, {0, 16}, {2, 8}, {2, 16}, {3, 1},
+                               {3, 2}, {3, 4}, {3, 8}, {4, 8}, {4, 16}, {6, 8}, {6, 16}};
+  if (std::ranges::none_of(kSorts, [&](const int(&s)[2]) { return s[0] == png.colours && s[1] == png.bits; }))
+    fail("PNG", "has a colour type that there is not, or not with its depth", png.colours);
   if (data[12] != 0) fail("PNG", "is interlaced, which is not read", static_cast<int>(data[12]));
 }
 

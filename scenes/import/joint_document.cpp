@@ -154,20 +154,25 @@ void SceneDocument::write_loop(SceneJson& joints, const Loop& loop) {
                  {"frame", "world"},
                  {"anchor_a", vector_json(A.p)},
                  {"anchor_b", vector_json(B.p)}};
-  const Quat turn = A.q.conjugate() * B.q;  // where it is to be 1
-  if (loop.fixed && log_so3(turn).norm() > kOpen) {
-    const Quat q_AB = pose(loop.a.link).q.conjugate() * A.q * B.q.conjugate() * pose(loop.b.link).q;
-    json["orientation"] = quaternion_json(q_AB);
-    open_ = open_ || loop.active;
-  }
-  if (loop.hinge) {
-    const Vec3 axis_A = A.q * *loop.hinge, axis_B = B.q * *loop.hinge;
-    json["axis_a"] = vector_json(axis_A.normalized()), json["axis_b"] = vector_json(axis_B.normalized());
-    open_ = open_ || (loop.active && (axis_A - axis_B).norm() > kOpen);
-  }
-  open_ = open_ || (loop.active && (A.p - B.p).norm() > kOpen);
+  const double gap = std::max((A.p - B.p).norm(), write_turn_of_loop(json, loop, A, B));
+  open_ = open_ || (loop.active && gap > kOpen);
   if (!loop.active) json["attached"] = false;
   joints.push_back(std::move(json));
+}
+
+/// The rotation or the axes that it keeps; @returns how far they are off.
+double SceneDocument::write_turn_of_loop(SceneJson& json, const Loop& loop, const Pose& A,
+                                         const Pose& B) const {
+  if (loop.fixed) {
+    const double off = log_so3(A.q.conjugate() * B.q).norm();  // of what is to be 1
+    const Quat q_AB = pose(loop.a.link).q.conjugate() * A.q * B.q.conjugate() * pose(loop.b.link).q;
+    if (off > kOpen) json["orientation"] = quaternion_json(q_AB);
+    return off;
+  }
+  if (!loop.hinge) return 0;
+  const Vec3 axis_A = (A.q * *loop.hinge).normalized(), axis_B = (B.q * *loop.hinge).normalized();
+  json["axis_a"] = vector_json(axis_A), json["axis_b"] = vector_json(axis_B);
+  return (axis_A - axis_B).norm();
 }
 
 /// A joint of two links that others join as well.

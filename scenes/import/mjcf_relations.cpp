@@ -29,6 +29,18 @@ Value named(const MjcfElement& element, const std::map<std::string, Value>& entr
                " (value: " + name + ")");
 }
 
+/// From the one end to a body that both branches have a site of, and on from there to the other end.
+std::optional<std::vector<LinkFrame>> points_of_pulley(const std::vector<LinkFrame>& p) {
+  for (const bool turn_first : {false, true})
+    for (const bool turn_second : {false, true}) {
+      const LinkFrame &c1 = p[turn_first ? 0 : 1], &c2 = p[turn_second ? 3 : 2];
+      const LinkFrame &a = p[turn_first ? 1 : 0], &b = p[turn_second ? 2 : 3];
+      if (c1.link == c2.link && a.link != b.link && a.link != c1.link && b.link != c1.link)
+        return std::vector<LinkFrame>{a, c1, c2, b};
+    }
+  return {};
+}
+
 /// Of all joints, as a <key> has them: of a free one position and quaternion, of a ball a quaternion.
 std::vector<double> start_coordinates(const RobotModel& model) {
   std::vector<double> q;
@@ -383,27 +395,18 @@ void MjcfRelations::read_pulley(const MjcfElement& tendon, Wire wire, const std:
                      "a tendon with <pulley> that is not two branches of two sites each: has no counterpart");
   wire.pulley = true;
   wire.ratio = (divided_from_start ? divisors[0] : 1) / divisors.back();
-  auto& p = wire.points;
-  for (const bool turn_first : {false, true})
-    for (const bool turn_second : {false, true}) {
-      const LinkFrame &c1 = p[turn_first ? 0 : 1], &c2 = p[turn_second ? 3 : 2];
-      const LinkFrame &a = p[turn_first ? 1 : 0], &b = p[turn_second ? 2 : 3];
-      if (c1.link != c2.link || a.link == b.link || a.link == c1.link || b.link == c1.link) continue;
-      p = {a, c1, c2, b};
-      if (tendon.node().attribute("range") || tendon.node().attribute("stiffness") ||
-          tendon.node().attribute("damping"))
-        note(tendon, "a tendon with <pulley>: its range, stiffness and damping have no counterpart");
-      files_.accept_all(tendon.node());
-      if (const std::string name = tendon.text("name"); !name.empty()) {
-        spatial_[name] = wire;
-        idle_[wire.name] = wire.place;
-        return;
-      }
-      return note(tendon, kIdleTendon);
-    }
-  leave_out(tendon,
-            "a tendon with <pulley> whose branches do not meet at one body and end at two others: "
-            "has no counterpart");
+  const auto points = points_of_pulley(wire.points);
+  if (!points)
+    return leave_out(tendon,
+                     "a tendon with <pulley> whose branches do not meet at one body and end at two others: "
+                     "has no counterpart");
+  wire.points = *points;
+  bool acts = false;
+  for (const char* key : {"range", "stiffness", "damping"}) acts = tendon.find(key) || acts;
+  if (acts) note(tendon, "a tendon with <pulley>: its range, stiffness and damping have no counterpart");
+  if (wire.name.empty()) return leave_out(tendon, kIdleTendon);
+  spatial_[tendon.text("name")] = wire;
+  idle_[wire.name] = wire.place;
 }
 
 double MjcfRelations::length_of(const Wire& wire) const {

@@ -63,6 +63,7 @@ class SceneDocument {
   static SceneJson motor_json(const LinkAxis& axis);
   void ball_axes(SceneJson& axes, const LinkAxis& axis);
   void write_loop(SceneJson& joints, const Loop& loop);
+  double write_turn_of_loop(SceneJson& json, const Loop& loop, const Pose& A, const Pose& B) const;
   void write_closing_joint(SceneJson& joints, const Loop& loop);
   void write_relation(SceneJson& joints, const AxisRelation& relation);
   void write_armatures(SceneJson& bodies, SceneJson& joints);
