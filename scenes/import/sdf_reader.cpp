@@ -188,10 +188,12 @@ class SdfModelReader {
     if (const auto ball = files_.child(geometry, "sphere")) return Sphere{length(ball, "radius")};
     if (const auto round = files_.child(geometry, "cylinder"))
       return Cylinder{length(round, "radius"), length(round, "length")};
-    if (const auto capsule = files_.child(geometry, "capsule"))
+    if (const auto capsule = files_.child_or(geometry, "capsule", "drake:capsule"))
       return Capsule{length(capsule, "radius"), length(capsule, "length")};
     if (const auto ellipsoid = files_.child(geometry, "ellipsoid"))
       return Ellipsoid{triple(ellipsoid, "radii")};
+    if (const auto egg = files_.child(geometry, "drake:ellipsoid"))
+      return Ellipsoid{{length(egg, "a"), length(egg, "b"), length(egg, "c")}};
     if (const auto plane = files_.child(geometry, "plane")) {
       const Vec3 normal = files_.child(plane, "normal") ? triple(plane, "normal") : Vec3(Vec3::UnitZ());
       X_LS.q = X_LS.q * rotation_between(Vec3::UnitZ(), direction(files_, plane, "normal", normal));

@@ -220,12 +220,19 @@ class UrdfReader {
       const Cylinder cylinder{size(round, "radius"), size(round, "length")};
       least = std::min(cylinder.radius, cylinder.length);
       shape = cylinder;
-    } else if (const auto capsule = files_.child(geometry, "capsule")) {
+    } else if (const auto egg = files_.child(geometry, "drake:ellipsoid")) {
+      const Vec3 radii(size(egg, "a"), size(egg, "b"), size(egg, "c"));
+      least = radii.minCoeff();
+      shape = Ellipsoid{radii};
+    } else if (const auto capsule = files_.child_or(geometry, "capsule", "drake:capsule")) {
       shape = Capsule{least = size(capsule, "radius"), size(capsule, "length")};
     } else if (const auto mesh = files_.child(geometry, "mesh")) {
       return hull_of(mesh);
     } else {
-      files_.fail(geometry, "<geometry> has none of box, sphere, cylinder, capsule and mesh");
+      const std::string given = geometry.first_child().name();
+      files_.fail(geometry,
+                  "<geometry> has none of box, sphere, cylinder, capsule, drake:ellipsoid and mesh" +
+                      meant_type(given, {"box", "sphere", "cylinder", "capsule", "drake:ellipsoid", "mesh"}));
     }
     if (least > 0) return shape;
     note(geometry, "<geometry> of size 0: left out");

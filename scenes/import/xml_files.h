@@ -49,6 +49,12 @@ class XmlFiles {
   /// The first of a name; null if there is none.
   pugi::xml_node child(const pugi::xml_node& node, const char* name);
 
+  /// That, or the same under the name that an extension gives it, such as "drake:capsule".
+  pugi::xml_node child_or(const pugi::xml_node& node, const char* name, const char* other) {
+    const pugi::xml_node found = child(node, name);
+    return found ? found : child(node, other);
+  }
+
   /// The attribute's text, which counts as read; null if there is none.
   const char* find(const pugi::xml_node& node, const char* attribute);
   const char* required(const pugi::xml_node& node, const char* attribute);

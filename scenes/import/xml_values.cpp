@@ -76,7 +76,7 @@ std::string meant_type(const std::string& given, const std::vector<std::string>&
   const auto is_same = [&](const std::string& type) {
     if (!name_here(type, {given}).empty() || !name_here(given, {type}).empty()) return true;
     for (const char* here : {"hinge", "slider", "ball", "fixed", "box", "sphere", "cylinder", "half_space",
-                             "triangle_mesh", "height_field", "six_dof"})
+                             "triangle_mesh", "height_field", "six_dof", "capsule", "ellipsoid"})
       if ((given == here || !name_here(given, {here}).empty()) && !name_here(type, {here}).empty())
         return true;
     return false;

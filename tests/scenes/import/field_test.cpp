@@ -206,6 +206,32 @@ TEST(ImportFields, AHeightmapOfSdf) {
                     "its shape is left out: height field: there is no such file (value: a.tif)"));
 }
 
+/// As Drake calls them.
+TEST(ImportFields, ShapesOfDrake) {
+  const auto shape_of = [](const ImportedModel& model) {
+    const Scene scene = parse_scene(model.document.dump(), "m");
+    return *scene.world.shape(ShapeId{0}).shape;
+  };
+  const auto urdf = [](const std::string& geometry) {
+    return import_model_text("<robot name='r'><link name='world'><collision><geometry>" + geometry +
+                                 "</geometry></collision></link></robot>",
+                             "r.urdf");
+  };
+  Shape shape = shape_of(urdf("<drake:ellipsoid a='1' b='2' c='3'/>"));
+  EXPECT_EQ(std::get<Ellipsoid>(shape).radii, Vec3(1, 2, 3));
+  shape = shape_of(urdf("<drake:capsule radius='1' length='2'/>"));
+  EXPECT_EQ(std::get<Capsule>(shape).length, 2);
+  const auto sdf = [](const std::string& geometry) {
+    return import_model_text(sdf_collision(geometry), "m.sdf");
+  };
+  shape = shape_of(sdf("<drake:ellipsoid><a>1</a><b>2</b><c>3</c></drake:ellipsoid>"));
+  EXPECT_EQ(std::get<Ellipsoid>(shape).radii, Vec3(1, 2, 3));
+  shape = shape_of(sdf("<drake:capsule><radius>1</radius><length>2</length></drake:capsule>"));
+  EXPECT_EQ(std::get<Capsule>(shape).length, 2);
+  testing::expect_refused([&] { return urdf("<cube size='1 1 1'/>"); }, "did you mean \"box\"?");
+  testing::expect_refused([&] { return urdf("<shpere radius='1'/>"); }, "did you mean \"sphere\"?");
+}
+
 /// Its frame is in the middle between base and apex.
 TEST(ImportFields, AConeOfSdf) {
   const ImportedModel model =
