@@ -196,8 +196,17 @@ void XmlFiles::know_children(const char* name, const std::vector<std::string>& c
   known_children_[name].insert(children.begin(), children.end());
 }
 
+/// The same is asked for very often.
+void XmlFiles::note_asked(std::map<std::string, std::set<std::string>>& known, const pugi::xml_node& of,
+                          std::string_view what) {
+  const std::hash<std::string_view> hash;
+  const std::size_t of_children = &known == &known_children_ ? 1 : 0;
+  if (asked_.insert(31 * (31 * hash(of.name()) + hash(what)) + of_children).second)
+    known[of.name()].emplace(what);
+}
+
 std::vector<pugi::xml_node> XmlFiles::children(const pugi::xml_node& node, const char* name) {
-  known_children_[node.name()].insert(name);
+  note_asked(known_children_, node, name);
   std::vector<pugi::xml_node> result;
   for (const pugi::xml_node& child : children(node))
     if (std::string_view(child.name()) == name) {
@@ -208,7 +217,7 @@ std::vector<pugi::xml_node> XmlFiles::children(const pugi::xml_node& node, const
 }
 
 pugi::xml_node XmlFiles::child(const pugi::xml_node& node, const char* name) {
-  known_children_[node.name()].insert(name);
+  note_asked(known_children_, node, name);
   for (const pugi::xml_node& child : children(node))
     if (std::string_view(child.name()) == name) {
       used_.insert(child.hash_value());
@@ -218,7 +227,7 @@ pugi::xml_node XmlFiles::child(const pugi::xml_node& node, const char* name) {
 }
 
 const char* XmlFiles::find(const pugi::xml_node& node, const char* attribute) {
-  known_attributes_[node.name()].insert(attribute);
+  note_asked(known_attributes_, node, attribute);
   const pugi::xml_attribute found = node.attribute(attribute);
   if (!found) return nullptr;
   used_.insert(node.hash_value());

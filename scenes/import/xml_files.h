@@ -100,6 +100,8 @@ class XmlFiles {
   const File& file_of(const pugi::xml_node& node) const;
   void expand(const pugi::xml_node& node, std::vector<pugi::xml_node>& result);
   [[noreturn]] void give_up();
+  void note_asked(std::map<std::string, std::set<std::string>>& known, const pugi::xml_node& of,
+                  std::string_view what);
   std::string meant(const std::map<std::string, std::set<std::string>>& known, const pugi::xml_node& in,
                     std::string_view name) const;
 
@@ -111,6 +113,7 @@ class XmlFiles {
   bool is_over_ = false;
   /// By the name of an element: what was asked for of it.
   std::map<std::string, std::set<std::string>> known_attributes_, known_children_;
+  std::unordered_set<std::size_t> asked_;  // hashes of what is among them
 };
 
 /// Numbers of a text, separated by white space.
