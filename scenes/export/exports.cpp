@@ -10,6 +10,7 @@
 #include "scenes/export/svg_plot.h"
 #include "scenes/export/vtk_export.h"
 #include "scenes/recording/recorder.h"
+#include "scenes/support/file_ending.h"
 #include "scenes/support/output_file.h"
 
 namespace taut {
@@ -51,6 +52,11 @@ std::string make_file(const std::string& file, const std::function<bool(std::ost
 }  // namespace
 
 void check_exports(const ExportFiles& files) {
+  require_ending("--html", files.html, FileKind::kPage);
+  require_ending("--gltf", files.gltf, FileKind::kAnimation);
+  require_ending("--plot", files.plot, FileKind::kPicture);
+  require_ending("--csv", files.csv, FileKind::kTable);
+  require_folder_name("--vtk", files.vtk_folder);
   require_writable("--html", files.html);
   require_writable("--gltf", files.gltf);
   require_writable("--plot", files.plot);

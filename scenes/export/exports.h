@@ -20,8 +20,8 @@ struct ExportFiles {
 };
 
 /// Asks whether all of it can be written, so that a long run does not fail at its end.  Nothing is touched.
-/// @throws std::invalid_argument for a file or folder that cannot be written, or a page without three.js,
-/// naming the option.
+/// @throws std::invalid_argument for a file or folder that cannot be written, or whose name ends as that of
+/// another kind of file, or a page without three.js, naming the option.
 void check_exports(const ExportFiles& files);
 
 /// What went wrong or had to be left out, one sentence each: nothing as a rule.

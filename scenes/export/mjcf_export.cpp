@@ -1,5 +1,6 @@
 #include "scenes/export/mjcf_export.h"
 
+#include <algorithm>
 #include <map>
 #include <set>
 
@@ -35,6 +36,7 @@ struct GeomOfShape {
   bool operator()(const Ellipsoid& s) const { return set("ellipsoid", words(s.radii)), true; }
   bool operator()(const HalfSpace&) const { return set("plane", "0 0 1"), true; }
   bool operator()(const ConvexHull&) const { return set("mesh", ""), true; }
+  bool operator()(const HeightField&) const { return set("hfield", ""), true; }
   template <typename Other>
   bool operator()(const Other&) const {
     return false;
@@ -164,7 +166,12 @@ class MjcfWriter {
       }
       if (const auto* hull = std::get_if<ConvexHull>(record.shape.get()))
         geom.append_attribute("mesh") = mesh(*hull).c_str();
-      place(geom, record.pose);
+      Pose pose = record.pose;
+      if (const auto* field = std::get_if<HeightField>(record.shape.get())) {
+        geom.append_attribute("hfield") = this->field(*field).c_str();
+        pose = pose * Pose{Quat::Identity(), Vec3(0, 0, std::ranges::min(field->heights))};
+      }
+      place(geom, pose);
       write_surface(geom, record);
     }
   }
@@ -175,6 +182,28 @@ class MjcfWriter {
     pugi::xml_node node = asset_.append_child("mesh");
     node.append_attribute("name") = name.c_str();
     node.append_attribute("vertex") = corners.c_str();
+    return name;
+  }
+
+  /// Heights from the lowest one on, the first row at +y, over a base that is as deep as the field is wide.
+  std::string field(const HeightField& field) {
+    const std::string name = "field_" + std::to_string(++fields_);
+    const auto [low, high] = std::ranges::minmax(field.heights);
+    const double range = high - low, x = (field.nx - 1) * field.dx / 2, y = (field.ny - 1) * field.dy / 2;
+    pugi::xml_node node = asset_.append_child("hfield");
+    node.append_attribute("name") = name.c_str();
+    node.append_attribute("nrow") = field.ny;
+    node.append_attribute("ncol") = field.nx;
+    node.append_attribute("size") =
+        (words(Vec3(x, y, range > 0 ? range : 1)) + ' ' + words(2 * std::max({x, y, range}))).c_str();
+    std::string heights;
+    for (int j = field.ny - 1; j >= 0; --j)
+      for (int i = 0; i < field.nx; ++i) {
+        const double height = field.heights[static_cast<std::size_t>(i) +
+                                            static_cast<std::size_t>(field.nx) * static_cast<std::size_t>(j)];
+        heights += (heights.empty() ? "" : " ") + words(height - low);
+      }
+    node.append_attribute("elevation") = heights.c_str();
     return name;
   }
 
@@ -335,7 +364,7 @@ class MjcfWriter {
   pugi::xml_node root_, asset_, equality_, tendon_;
   std::map<int, pugi::xml_node> nodes_;  // by body
   std::map<AxisId, std::string> names_;  // of joints there
-  int meshes_ = 0, sites_ = 0;
+  int meshes_ = 0, fields_ = 0, sites_ = 0;
 };
 
 }  // namespace

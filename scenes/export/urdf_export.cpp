@@ -158,20 +158,23 @@ class UrdfWriter {
     limit.append_attribute("velocity") = words(kFar).c_str();
   }
 
-  /// <loop_joint>: a point of two links that stays together, an extension that Drake reads as well.
+  /// <loop_joint>: a frame of two links that stays together, its origin, or its axis z as well, or all of it:
+  /// an extension that Drake reads as well.
   void write_loop(JointId id, const std::vector<Vec3>& points) {
     const Joint& joint = world_.joint(id);
-    int count = 0;
-    for (const Vec3& point : points) {
-      pugi::xml_node node = root_.append_child("loop_joint");
-      const std::string number = ++count > 1 ? "_" + std::to_string(count) : "";
-      node.append_attribute("name") = (world_.name(id) + number).c_str();
-      for (const auto& [key, body] : {std::pair("link1", joint.a()), std::pair("link2", joint.b())}) {
-        pugi::xml_node end = node.append_child(key);
-        end.append_attribute("link") = body == kGround ? "world" : world_.name(body).c_str();
-        end.append_attribute("xyz") = words(frames_.at(body.index).local(point)).c_str();
-        end.append_attribute("rpy") = "0 0 0";
-      }
+    const bool hinge = joint.type() == "hinge", fixed = joint.type() == "fixed";
+    Pose frame{Quat::Identity(), points[0]};  // in the world
+    if (hinge) frame.q = rotation_between(Vec3::UnitZ(), (points[1] - points[0]).normalized());
+    pugi::xml_node node = root_.append_child("loop_joint");
+    node.append_attribute("name") = world_.name(id).c_str();
+    node.append_attribute("type") = hinge ? "continuous" : fixed ? "fixed" : "ball";
+    if (hinge) set(node, "axis", "xyz", "0 0 1");
+    for (const auto& [key, body] : {std::pair("link1", joint.a()), std::pair("link2", joint.b())}) {
+      const Pose at = seen_from(body.index, frame);
+      pugi::xml_node end = node.append_child(key);
+      end.append_attribute("link") = body == kGround ? "world" : world_.name(body).c_str();
+      end.append_attribute("xyz") = words(at.p).c_str();
+      end.append_attribute("rpy") = words(rpy_of(at.q)).c_str();
     }
     if (world_.has_axis_properties(id))
       notices_.push_back(world_.name(id) +

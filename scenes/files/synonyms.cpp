@@ -42,16 +42,18 @@ const std::vector<Synonyms>& synonyms() {
       {"driver", {"actuator", "servo", "motion", "motor", "prescribed"}},
       // Shapes.
       {"box", {"cuboid", "cube", "brick", "block", "rectangle", "beam"}},
-      {"sphere", {"ball", "globe"}},
+      {"sphere", {"ball", "globe", "orb"}},
       {"half_space", {"plane", "floor", "infiniteplane", "halfspace"}, ", all that is below its z = 0"},
+      {"capsule", {"pill", "stadium", "spherocylinder", "sphyl"}, ", along z"},
+      {"ellipsoid", {"ellipse", "spheroid", "egg", "ovoid"}},
       {"cylinder", {"disk", "disc", "wheel"}, ", along z"},
       {"rod", {"bar", "stick", "pole", "link", "segment"}, ", along x"},
       // A body by its ends.
       {"rod", {"cylinder"}, ", from one end to the other"},
       {"beam", {"box", "cuboid", "brick", "block"}, ", from one end to the other"},
-      {"convex_hull", {"convex", "hull", "polyhedron", "convexmesh"}},
-      {"triangle_mesh", {"mesh", "trimesh", "concave", "obj", "stl"}},
-      {"height_field", {"heightmap", "terrain", "hfield", "heightfield"}},
+      {"convex_hull", {"convex", "hull", "polyhedron", "polytope", "convexmesh"}},
+      {"triangle_mesh", {"mesh", "trimesh", "concave", "obj", "stl", "polygonmesh"}},
+      {"height_field", {"heightmap", "terrain", "hfield", "heightfield", "heights", "elevation", "dem"}},
       // Forces, quantities, integrators.
       {"spring-damper", {"spring", "damper", "tsda", "springdamper", "shock"}},
       {"point-force", {"force", "load", "push"}},

@@ -58,7 +58,9 @@ void require_utf8(const nlohmann::ordered_json& document, const ModelPlace& plac
 
 ImportedModel import_root(model::XmlFiles& files, const pugi::xml_node& root,
                           const std::filesystem::path& file) {
-  model::RobotModel robot = read_robot_model(files, root);
+  model::RobotModel robot;
+  files.attempt([&] { robot = read_robot_model(files, root); });
+  files.throw_problems();
   if (robot.name.empty()) robot.name = file.stem().string();
   model::fuse_links_without_mass(robot);
   model::start_within_limits(robot);

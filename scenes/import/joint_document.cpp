@@ -146,21 +146,33 @@ void SceneDocument::write_loop(SceneJson& joints, const Loop& loop) {
   if (loop.a.link == loop.b.link) return note(loop.place, "joins a body to itself: left out");
   if (!loop.axes.empty()) return write_closing_joint(joints, loop);
   SceneJson json{{"name", unique(joint_names_, loop.name, "loop")},
-                 {"type", loop.fixed ? "fixed" : "ball"},
+                 {"type", loop.fixed   ? "fixed"
+                          : loop.hinge ? "hinge"
+                                       : "ball"},
                  {"a", body(loop.a.link)},
                  {"b", body(loop.b.link)},
                  {"frame", "world"},
                  {"anchor_a", vector_json(A.p)},
                  {"anchor_b", vector_json(B.p)}};
-  const Quat turn = A.q.conjugate() * B.q;  // where it is to be 1
-  if (loop.fixed && log_so3(turn).norm() > kOpen) {
-    const Quat q_AB = pose(loop.a.link).q.conjugate() * A.q * B.q.conjugate() * pose(loop.b.link).q;
-    json["orientation"] = quaternion_json(q_AB);
-    open_ = open_ || loop.active;
-  }
-  open_ = open_ || (loop.active && (A.p - B.p).norm() > kOpen);
+  const double gap = std::max((A.p - B.p).norm(), write_turn_of_loop(json, loop, A, B));
+  open_ = open_ || (loop.active && gap > kOpen);
   if (!loop.active) json["attached"] = false;
   joints.push_back(std::move(json));
+}
+
+/// The rotation or the axes that it keeps; @returns how far they are off.
+double SceneDocument::write_turn_of_loop(SceneJson& json, const Loop& loop, const Pose& A,
+                                         const Pose& B) const {
+  if (loop.fixed) {
+    const double off = log_so3(A.q.conjugate() * B.q).norm();  // of what is to be 1
+    const Quat q_AB = pose(loop.a.link).q.conjugate() * A.q * B.q.conjugate() * pose(loop.b.link).q;
+    if (off > kOpen) json["orientation"] = quaternion_json(q_AB);
+    return off;
+  }
+  if (!loop.hinge) return 0;
+  const Vec3 axis_A = (A.q * *loop.hinge).normalized(), axis_B = (B.q * *loop.hinge).normalized();
+  json["axis_a"] = vector_json(axis_A), json["axis_b"] = vector_json(axis_B);
+  return (axis_A - axis_B).norm();
 }
 
 /// A joint of two links that others join as well.
@@ -286,11 +298,24 @@ void SceneDocument::write_rope(SceneJson& document, const Wire& wire) {
 }
 
 void SceneDocument::write_bar(SceneJson& document, const Wire& wire) {
+  if (wire.pulley) return write_pulley(document, wire);
   open_ = open_ || (wire.bar_active &&
                     std::abs((world(wire.points[1]).p - world(wire.points[0]).p).norm() - *wire.bar) > kOpen);
   SceneJson json{
       {"name", unique(joint_names_, wire.name, "bar")}, {"type", "distance"}, {"length", *wire.bar}};
   json.update(wire_ends(wire));
+  if (!wire.bar_active) json["attached"] = false;
+  document["joints"].push_back(std::move(json));
+}
+
+void SceneDocument::write_pulley(SceneJson& document, const Wire& wire) {
+  SceneJson json{{"name", unique(joint_names_, wire.name, "pulley")},
+                 {"type", "pulley"},
+                 {"length", *wire.bar},
+                 {"ratio", wire.ratio},
+                 {"frame", "world"}};
+  for (const LinkFrame& point : wire.points)
+    json["points"].push_back({{"body", body(point.link)}, {"point", vector_json(world(point).p)}});
   if (!wire.bar_active) json["attached"] = false;
   document["joints"].push_back(std::move(json));
 }

@@ -189,7 +189,8 @@ MjcfElement MjcfDefaults::element(const pugi::xml_node& node, const std::string&
   std::string name = childclass.empty() ? top_ : childclass;
   if (const char* given = files_.find(node, "class")) name = given;
   if (!classes_.contains(name) && name != top_)
-    files_.fail(node, "there is no default class of this name (value: " + name + ")");
+    files_.fail(node, "there is no default class of this name" + near_name(name, classes_) +
+                          " (value: " + name + ")");
   std::vector<pugi::xml_node> layers;
   std::set<std::string> seen;
   for (auto found = classes_.find(name); found != classes_.end() && seen.insert(found->first).second;

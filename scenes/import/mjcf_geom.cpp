@@ -54,7 +54,9 @@ std::optional<Shape> primitive(const MjcfElement& geom, const std::string& type,
 Surface surface_of(const MjcfElement& geom) {
   const auto friction = geom.numbers("friction", {1, 0.005, 0.0001});
   for (double f : friction) not_negative(geom.files(), geom.node(), "friction", f);
-  return {static_cast<int>(geom.number("condim", 3)), friction[0], friction[1], friction[2]};
+  Surface surface{static_cast<int>(geom.number("condim", 3)), friction[0], friction[1], friction[2]};
+  surface.priority = static_cast<int>(std::clamp(geom.number("priority", 0), -1e6, 1e6));
+  return surface;
 }
 
 int bits(const MjcfElement& geom, const char* key) {
@@ -105,11 +107,13 @@ TriangleMesh triangles_of(const MjcfElement& mesh, const MjcfCompiler& compiler)
 MjcfMeshes::MjcfMeshes(XmlFiles& files, const MjcfDefaults& defaults, const MjcfCompiler& compiler,
                        const pugi::xml_node& mujoco) {
   for (const pugi::xml_node& asset : files.children(mujoco, "asset"))
-    for (const pugi::xml_node& node : files.children(asset, "mesh")) {
-      const MjcfElement mesh = defaults.element(node, "");
-      const std::string file = mesh.text("file");
-      meshes_[mesh.text("name", std::filesystem::path(file).stem().string().c_str())] = read(mesh, compiler);
-    }
+    for (const pugi::xml_node& node : files.children(asset, "mesh"))
+      files.attempt([&] {
+        const MjcfElement mesh = defaults.element(node, "");
+        const std::string file = mesh.text("file");
+        meshes_[mesh.text("name", std::filesystem::path(file).stem().string().c_str())] =
+            read(mesh, compiler);
+      });
 }
 
 MjcfMeshes::Mesh MjcfMeshes::read(const MjcfElement& mesh, const MjcfCompiler& compiler) const {
@@ -136,7 +140,7 @@ MjcfMeshes::Mesh MjcfMeshes::read(const MjcfElement& mesh, const MjcfCompiler& c
 
 const MjcfMeshes::Mesh& MjcfMeshes::mesh(const std::string& name) const {
   const auto found = meshes_.find(name);
-  if (found == meshes_.end()) fail("mesh", "there is none of this name", name);
+  if (found == meshes_.end()) fail("mesh", "there is none of this name" + near_name(name, meshes_), name);
   if (!found->second.problem.empty()) throw std::invalid_argument(found->second.problem);
   return found->second;
 }
@@ -145,26 +149,32 @@ namespace {
 
 /// @throws std::invalid_argument for what has no counterpart.
 Shape shape_of(const MjcfElement& geom, const std::string& type, const std::optional<Ends>& ends,
-               const MjcfMeshes& meshes) {
+               const MjcfMeshes& meshes, const MjcfFields& fields) {
   const std::string mesh = geom.text("mesh");
   if (type == "plane") {
     geom.find("size");
     return HalfSpace{};
   }
   if (type == "mesh") return meshes.mesh(mesh).hull;
-  if (type == "hfield" || type == "sdf") fail("geom", "has no counterpart", type);
+  if (type == "hfield") return fields.field(geom.text("hfield"));
+  if (type == "sdf") fail("geom", "has no counterpart", type);
   if (!mesh.empty()) {
     (void)meshes.mesh(mesh);
     fail("geom", "a primitive that is fitted to a mesh has no counterpart", mesh);
   }
   const auto found = primitive(geom, type, ends);
-  if (!found) geom.fail("unknown type of geom (value: " + type + ")");
+  if (!found)
+    geom.fail("unknown type of geom" +
+              meant_type(type, {"plane", "hfield", "sphere", "capsule", "ellipsoid", "cylinder", "box",
+                                "mesh", "sdf"}) +
+              " (value: " + type + ")");
   return *found;
 }
 
 }  // namespace
 
-MjcfGeom read_geom(const MjcfElement& geom, const MjcfCompiler& compiler, const MjcfMeshes& meshes) {
+MjcfGeom read_geom(const MjcfElement& geom, const MjcfCompiler& compiler, const MjcfMeshes& meshes,
+                   const MjcfFields& fields) {
   MjcfGeom result;
   const std::string mesh = geom.text("mesh"), type = geom.text("type", mesh.empty() ? "sphere" : "mesh");
   result.group = static_cast<int>(std::clamp(geom.number("group", 0), -1e6, 1e6));
@@ -178,7 +188,7 @@ MjcfGeom read_geom(const MjcfElement& geom, const MjcfCompiler& compiler, const 
   shape.touches.affinity = bits(geom, "conaffinity");
   shape.name = geom.text("name");
   try {
-    shape.shape = shape_of(geom, type, ends, meshes);
+    shape.shape = shape_of(geom, type, ends, meshes, fields);
     if (result.weighs)
       result.inertia =
           weight(geom, shape, type == "mesh" ? meshes.mesh(mesh).inertia : inertia_of_shape(shape.shape));

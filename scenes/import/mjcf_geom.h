@@ -2,7 +2,7 @@
 
 #include <optional>
 
-#include "scenes/import/mjcf_element.h"
+#include "scenes/import/mjcf_hfield.h"
 #include "scenes/import/robot_model.h"
 
 namespace taut::model {
@@ -35,6 +35,7 @@ class MjcfMeshes {
 };
 
 /// @throws ImportError for sizes that are wrong or missing.
-MjcfGeom read_geom(const MjcfElement& geom, const MjcfCompiler& compiler, const MjcfMeshes& meshes);
+MjcfGeom read_geom(const MjcfElement& geom, const MjcfCompiler& compiler, const MjcfMeshes& meshes,
+                   const MjcfFields& fields);
 
 }  // namespace taut::model

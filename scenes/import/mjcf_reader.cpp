@@ -41,6 +41,7 @@ RobotModel read_mjcf(XmlFiles& files, const pugi::xml_node& mujoco) {
   tree.read_world();
   tree.finish();
   tree.relate();
+  files.throw_problems();
   return model;
 }
 

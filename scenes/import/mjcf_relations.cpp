@@ -25,7 +25,20 @@ Value named(const MjcfElement& element, const std::map<std::string, Value>& entr
   const auto found = entries.find(name);
   if (found != entries.end()) return found->second;
   if (names.lacks_some || names.copied.contains(name)) throw NotThere{name};
-  element.fail(std::string("\"") + attribute + "\" names nothing that is there (value: " + name + ")");
+  element.fail(std::string("\"") + attribute + "\" names nothing that is there" + near_name(name, entries) +
+               " (value: " + name + ")");
+}
+
+/// From the one end to a body that both branches have a site of, and on from there to the other end.
+std::optional<std::vector<LinkFrame>> points_of_pulley(const std::vector<LinkFrame>& p) {
+  for (const bool turn_first : {false, true})
+    for (const bool turn_second : {false, true}) {
+      const LinkFrame &c1 = p[turn_first ? 0 : 1], &c2 = p[turn_second ? 3 : 2];
+      const LinkFrame &a = p[turn_first ? 1 : 0], &b = p[turn_second ? 2 : 3];
+      if (c1.link == c2.link && a.link != b.link && a.link != c1.link && b.link != c1.link)
+        return std::vector<LinkFrame>{a, c1, c2, b};
+    }
+  return {};
 }
 
 /// Of all joints, as a <key> has them: of a free one position and quaternion, of a ball a quaternion.
@@ -62,17 +75,21 @@ void MjcfRelations::read(const pugi::xml_node& mujoco) {
   const auto each = [&](const char* section, void (MjcfRelations::*read_one)(const pugi::xml_node&)) {
     for (const pugi::xml_node& part : files_.children(mujoco, section))
       for (const pugi::xml_node& node : files_.children(part)) try {
-          (this->*read_one)(node);
+          files_.attempt([&] { (this->*read_one)(node); });
         } catch (const NotThere& missing) {
           leave_out(MjcfElement(files_, node), std::string("<") + node.name() + "> names \"" + missing.name +
                                                    "\", which has no counterpart, or several: left out");
         }
   };
+  files_.know_children("tendon", {"spatial", "fixed"});
+  files_.know_children("equality", {"connect", "weld", "joint", "tendon", "flex", "flexvert"});
+  files_.know_children("contact", {"pair", "exclude"});
+  files_.know_children("spatial", {"site", "geom", "pulley"});
   each("contact", &MjcfRelations::read_contact);
   each("tendon", &MjcfRelations::read_tendon);
   each("equality", &MjcfRelations::read_equality);
   for (const auto& [name, place] : idle_) model_.notices.push_back({place, kIdleTendon, 1});
-  read_key(mujoco);
+  files_.attempt([&] { read_key(mujoco); });
   each("actuator", &MjcfRelations::read_actuator);
   each("sensor", &MjcfRelations::read_sensor);
 }
@@ -253,10 +270,10 @@ bool MjcfRelations::is_differential(const std::vector<FixedPart>& sum, AxisRelat
   return false;
 }
 
-/// A wire between two sites that stays as long as it is.
+/// A wire between two sites, or over a pulley, that stays as long as it is.
 void MjcfRelations::read_bar(const MjcfElement& equality, Wire bar) {
   idle_.erase(bar.name);
-  if (bar.points.size() > 2 || equality.numbers("polycoef", {0, 1, 0, 0, 0})[0] != 0)
+  if ((bar.points.size() > 2 && !bar.pulley) || equality.numbers("polycoef", {0, 1, 0, 0, 0})[0] != 0)
     return leave_out(equality,
                      "a wire whose length is given, over several sites or other than at the start: "
                      "has no counterpart");
@@ -278,8 +295,45 @@ bool MjcfRelations::read_fixed(const MjcfElement& tendon) {
     if (parts.back().coef == 0 || axis(parts.back().axis).kind == LinkAxis::Kind::kBall) return false;
   }
   if (parts.empty()) return false;
+  act_by_itself(tendon, parts);
   if (const std::string name = tendon.text("name"); !name.empty()) fixed_[name] = std::move(parts);
   return true;
+}
+
+/// Range, spring, damper and friction of a tendon: where it is c q of one joint they are those of the joint.
+void MjcfRelations::act_by_itself(const MjcfElement& tendon, const std::vector<FixedPart>& parts) {
+  const auto range = tendon.range("range", "limited", compiler_);
+  const auto first = [&](const char* key) {
+    const std::vector<double> found = tendon.numbers(key);
+    if (found.size() > 1)
+      note(tendon, std::string("\"") + key + "\" that is no constant: its first number is taken");
+    return found.empty() ? 0.0 : not_negative(files_, tendon.node(), key, found[0]);
+  };
+  const double stiffness = first("stiffness"), damping = first("damping"), friction = first("frictionloss");
+  if (parts.size() > 1) {
+    if (range || stiffness > 0 || damping > 0 || friction > 0)
+      note(tendon,
+           "<fixed> of several joints: range, stiffness, damping and frictionloss of their sum have no "
+           "counterpart");
+    return;
+  }
+  const double c = parts[0].coef;
+  AxisLaw& law = axis(parts[0].axis).law;
+  if (range) {
+    const auto [low, high] = std::minmax({range->first / c, range->second / c});
+    law.lower = std::max(law.lower, low), law.upper = std::min(law.upper, high);
+    if (law.lower > law.upper) tendon.fail("\"range\" and that of the joint exclude each other");
+  }
+  law.damping += c * c * damping;
+  law.friction += std::abs(c) * friction;
+  if (stiffness == 0) return;
+  // At rest where the joint's own spring is, unless it says so; two springs are one between both.
+  const auto length = tendon.numbers("springlength");
+  if (length.size() > 1 && length[0] != length[1])
+    note(tendon, "\"springlength\" of two numbers: the first is taken");
+  const double added = c * c * stiffness, rest = length.empty() || length[0] < 0 ? law.rest : length[0] / c;
+  law.rest = (law.stiffness * law.rest + added * rest) / (law.stiffness + added);
+  law.stiffness += added;
 }
 
 void MjcfRelations::read_tendon(const pugi::xml_node& node) {
@@ -299,13 +353,22 @@ void MjcfRelations::read_spatial(const MjcfElement& tendon) {
   Wire wire;
   wire.name = name_of(tendon);
   wire.place = tendon.place();
+  std::vector<double> divisors;     // of branches
+  std::vector<std::size_t> firsts;  // points that these begin with
   for (const pugi::xml_node& point : files_.children(tendon.node())) {
     files_.accept(point);
-    if (std::string_view(point.name()) != "site")
-      return leave_out(tendon, "a tendon with <" + std::string(point.name()) + ">: has no counterpart");
+    const std::string_view kind = point.name();
+    if (kind == "pulley") {
+      divisors.push_back(positive(files_, point, "divisor", MjcfElement(files_, point).number("divisor", 1)));
+      firsts.push_back(wire.points.size());
+      continue;
+    }
+    if (kind != "site")
+      return leave_out(tendon, "a tendon with <" + std::string(kind) + ">: has no counterpart");
     wire.points.push_back(site(MjcfElement(files_, point), "site"));
   }
   if (wire.points.size() < 2) tendon.fail("a tendon needs two sites");
+  if (!divisors.empty()) return read_pulley(tendon, std::move(wire), divisors, firsts);
   const auto range = tendon.numbers("range", {0, 0});
   if (tendon.flag("limited", compiler_.autolimits && (range[0] != 0 || range[1] != 0))) {
     wire.longest = positive(files_, tendon.node(), "range", range[1]);
@@ -320,9 +383,38 @@ void MjcfRelations::read_spatial(const MjcfElement& tendon) {
   idle_[wire.name] = wire.place;
 }
 
+/// Two branches, l₁/d₁ + l₂/d₂, over two sites of one body.  Only where an equality keeps it as long as it is
+/// has it a counterpart: the wire of a pulley, l₁ + d₁/d₂ l₂, with the branches from and to this body.
+void MjcfRelations::read_pulley(const MjcfElement& tendon, Wire wire, const std::vector<double>& divisors,
+                                const std::vector<std::size_t>& firsts) {
+  const bool divided_from_start = firsts[0] == 0;
+  const std::size_t branches = firsts.size() + (divided_from_start ? 0 : 1);
+  const bool two_by_two = branches == 2 && wire.points.size() == 4 && firsts.back() == 2;
+  if (!two_by_two)
+    return leave_out(tendon,
+                     "a tendon with <pulley> that is not two branches of two sites each: has no counterpart");
+  wire.pulley = true;
+  wire.ratio = (divided_from_start ? divisors[0] : 1) / divisors.back();
+  const auto points = points_of_pulley(wire.points);
+  if (!points)
+    return leave_out(tendon,
+                     "a tendon with <pulley> whose branches do not meet at one body and end at two others: "
+                     "has no counterpart");
+  wire.points = *points;
+  bool acts = false;
+  for (const char* key : {"range", "stiffness", "damping"}) acts = tendon.find(key) || acts;
+  if (acts) note(tendon, "a tendon with <pulley>: its range, stiffness and damping have no counterpart");
+  if (wire.name.empty()) return leave_out(tendon, kIdleTendon);
+  spatial_[tendon.text("name")] = wire;
+  idle_[wire.name] = wire.place;
+}
+
 double MjcfRelations::length_of(const Wire& wire) const {
   const auto at = [&](const LinkFrame& point) { return pose(point.link).point(point.X_LF.p); };
   double length = 0;
+  if (wire.pulley)
+    return (at(wire.points[1]) - at(wire.points[0])).norm() +
+           wire.ratio * (at(wire.points[3]) - at(wire.points[2])).norm();
   for (std::size_t k = 1; k < wire.points.size(); ++k)
     length += (at(wire.points[k]) - at(wire.points[k - 1])).norm();
   return length;

@@ -38,6 +38,7 @@ class MjcfRelations {
     double coef = 1;
   };
   bool read_fixed(const MjcfElement& tendon);
+  void act_by_itself(const MjcfElement& tendon, const std::vector<FixedPart>& parts);
   std::vector<FixedPart> sum_of(const std::string& first, const std::string& second, double factor) const;
   void relate(const MjcfElement& equality, const std::vector<FixedPart>& sum, double constant);
   bool is_differential(const std::vector<FixedPart>& sum, AxisRelation& relation) const;
@@ -45,6 +46,8 @@ class MjcfRelations {
   void read_bar(const MjcfElement& equality, Wire bar);
   std::optional<FixedPart> transmission(const MjcfElement& actuator) const;
   void read_spatial(const MjcfElement& tendon);
+  void read_pulley(const MjcfElement& tendon, Wire wire, const std::vector<double>& divisors,
+                   const std::vector<std::size_t>& firsts);
   void read_spring(const MjcfElement& tendon, Wire& wire);
   void read_key(const pugi::xml_node& mujoco);
   pugi::xml_node start_key(const pugi::xml_node& mujoco);

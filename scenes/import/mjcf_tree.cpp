@@ -39,11 +39,14 @@ void read_range(LinkAxis& axis, const MjcfElement& joint, double unit, bool auto
 }  // namespace
 
 void MjcfTree::read_all(const Where& where) {
+  for (const char* name : {"worldbody", "body", "frame", "replicate"})
+    files_.know_children(name, {"body", "frame", "replicate", "geom", "site", "attach", "joint", "freejoint",
+                                "inertial", "camera", "light", "composite", "flexcomp", "plugin"});
   for (const pugi::xml_node& world : files_.children(mujoco_, "worldbody")) read_children(world, where);
 }
 
 void MjcfTree::count(const pugi::xml_node& node) {
-  if (++model_.elements > kMostElements) files_.fail(node, "the model has more than 200,000 elements");
+  if (++model_.elements > kMostElements) files_.give_up(node, "the model has more than 200,000 elements");
 }
 
 std::string MjcfTree::name_of(const MjcfElement& element, const Where& where) {
@@ -78,7 +81,9 @@ void MjcfTree::read_child(const pugi::xml_node& node, const Where& where) {
       std::find_if(std::begin(kKinds), std::end(kKinds), [&](const Kind& each) { return each.name == name; });
   if (kind == std::end(kKinds)) return;
   files_.accept(node);
-  if (where.link != kWorld || !kind->of_a_link) (this->*kind->read)(node, where);
+  if (where.link == kWorld && kind->of_a_link) return;
+  // What is wrong may have defined what others refer to.
+  if (!files_.attempt([&] { (this->*kind->read)(node, where); })) names_.lacks_some = true;
 }
 
 void MjcfTree::read_body(const pugi::xml_node& node, const Where& where) {
@@ -154,11 +159,14 @@ void MjcfTree::read_joint(const pugi::xml_node& node, const Where& where) {
   LinkAxis axis;
   axis.name = name.empty() ? name : where.beginning + name;
   axis.place = files_.place(node);
-  axis.kind = type == "hinge"   ? LinkAxis::Kind::kHinge
-              : type == "slide" ? LinkAxis::Kind::kSlide
-              : type == "ball"
-                  ? LinkAxis::Kind::kBall
-                  : (joint.fail("unknown type of joint (value: " + type + ")"), LinkAxis::Kind::kHinge);
+  axis.kind =
+      type == "hinge"   ? LinkAxis::Kind::kHinge
+      : type == "slide" ? LinkAxis::Kind::kSlide
+      : type == "ball"
+          ? LinkAxis::Kind::kBall
+          : (joint.fail("unknown type of joint" + meant_type(type, {"free", "ball", "slide", "hinge"}) +
+                        " (value: " + type + ")"),
+             LinkAxis::Kind::kHinge);
   axis.anchor = where.X_LF.point(joint.vector("pos", Vec3::Zero()));
   if (axis.kind != LinkAxis::Kind::kBall)
     axis.axis = where.X_LF.q * direction(files_, node, "axis", joint.vector("axis", Vec3::UnitZ()));
@@ -227,7 +235,7 @@ bool MjcfTree::adds_inertia(const MjcfGeom& geom, int link) const {
 
 void MjcfTree::read_geom_of(const pugi::xml_node& node, const Where& where) {
   const MjcfElement element = defaults_.element(node, where.childclass);
-  MjcfGeom geom = read_geom(element, compiler_, meshes_);
+  MjcfGeom geom = read_geom(element, compiler_, meshes_, fields_);
   const std::string name = name_of(element, where);
   std::vector<LinkShape>& shapes = model_.shapes_of(where.link);
   if (!name.empty()) names_.geoms[name] = {where.link, geom.shape ? static_cast<int>(shapes.size()) : -1};

@@ -18,6 +18,7 @@ class MjcfTree {
         compiler_(read_compiler(files, mujoco)),
         defaults_(files, mujoco),
         meshes_(files, defaults_, compiler_, mujoco),
+        fields_(files, defaults_, compiler_, mujoco, model.notices),
         model_(model),
         depth_(depth) {}
 
@@ -67,6 +68,7 @@ class MjcfTree {
   MjcfCompiler compiler_;
   MjcfDefaults defaults_;
   MjcfMeshes meshes_;
+  MjcfFields fields_;
   RobotModel& model_;
   int depth_;
   MjcfNames names_;

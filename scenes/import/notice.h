@@ -29,16 +29,31 @@ struct ImportNotice {
   }
 };
 
-/// A model file that cannot be a scene.  what() begins with file and line.
+/// Problems of a model that are told at once.
+inline constexpr std::size_t kMostProblems = 20;
+
+/// A model file that cannot be a scene.  what() has a line for each problem that was found, which begins with
+/// file and line; not all that there are need to be found at once.
 class ImportError : public std::invalid_argument {
  public:
-  ImportError(ModelPlace place, const std::string& message)
-      : std::invalid_argument(place.text() + ": " + message), place_(std::move(place)) {}
-  /// Where it is.
-  const ModelPlace& place() const { return place_; }
+  /// Of one problem.
+  ImportError(ModelPlace place, std::string message)
+      : ImportError(std::vector<ImportNotice>{{std::move(place), std::move(message), 1}}) {}
+  /// Of one or more.
+  explicit ImportError(std::vector<ImportNotice> problems)
+      : std::invalid_argument(text_of(problems)), problems_(std::move(problems)) {}
+  /// Where the first of them is.
+  const ModelPlace& place() const { return problems_.front().place; }
+  const std::vector<ImportNotice>& problems() const { return problems_; }  ///< in their order
 
  private:
-  ModelPlace place_;
+  static std::string text_of(const std::vector<ImportNotice>& problems) {
+    std::string text;
+    for (const ImportNotice& problem : problems) text += (text.empty() ? "" : "\n") + problem.text();
+    return text;
+  }
+
+  std::vector<ImportNotice> problems_;
 };
 
 }  // namespace taut

@@ -33,6 +33,7 @@ class Fusion {
       balance(root, members);
       choose(root, members);
     }
+    if (!problems_.empty()) throw_first_problems();
     for (const auto& [root, members] : groups) move_joint(root, members);
     for (int i = 0; i < static_cast<int>(into_.size()); ++i)
       if (into_[i] != i) fuse(i, into_[i]);
@@ -63,7 +64,7 @@ class Fusion {
 
   /// Which member each of them is to become a part of.
   void choose(int root, const std::vector<int>& members) {
-    require_solid(root, members);
+    if (!require_solid(root, members)) return;
     int first_solid = -1;
     for (int i : members)
       if (first_solid < 0 && is_solid(model_.links[i].inertia)) first_solid = i;
@@ -94,13 +95,16 @@ class Fusion {
     return all;
   }
 
-  void require_solid(int root, const std::vector<int>& members) const {
+  /// Whether the group is a body; if not, why is among the problems.
+  bool require_solid(int root, const std::vector<int>& members) {
     const Link& link = model_.links[root];
     for (int i : members)
-      if (!model_.links[i].unknown_mass.empty())
-        throw ImportError(model_.links[i].place, model_.links[i].unknown_mass);
+      if (!model_.links[i].unknown_mass.empty()) {
+        problems_.push_back({model_.links[i].place, model_.links[i].unknown_mass, 1});
+        return false;
+      }
     const LinkInertia all = inertia_seen_from(root, members);
-    if (is_solid(all)) return;
+    if (is_solid(all)) return true;
     std::ostringstream message;
     message.precision(6);
     message << "\"" << link.name << "\" moves, and ";
@@ -111,7 +115,8 @@ class Fusion {
                  "the others"
               << " (value: " << dense::symmetric_eigenvalues3(all.inertia).transpose() << " kg m²)"
               << (model_.refuses_wrong_inertia ? "; balanceinertia=\"true\" of <compiler> makes it one" : "");
-    throw ImportError(link.place, message.str());
+    problems_.push_back({link.place, message.str(), 1});
+    return false;
   }
 
   /// Where the root of a group goes into a member, the member takes over what joins the group to its parent.
@@ -191,8 +196,20 @@ class Fusion {
     for_each_index(index);
   }
 
+  [[noreturn]] void throw_first_problems() {
+    std::ranges::stable_sort(problems_, [](const ImportNotice& a, const ImportNotice& b) {
+      return std::tie(a.place.file, a.place.line) < std::tie(b.place.file, b.place.line);
+    });
+    if (problems_.size() > kMostProblems) {
+      problems_[kMostProblems - 1].count = static_cast<int>(problems_.size() - kMostProblems) + 1;
+      problems_.resize(kMostProblems);
+    }
+    throw ImportError(std::move(problems_));
+  }
+
   RobotModel& model_;
   std::vector<int> into_;  // by link: what it becomes a part of; itself: it stays
+  std::vector<ImportNotice> problems_;
 };
 
 }  // namespace

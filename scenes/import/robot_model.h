@@ -29,17 +29,20 @@ struct LinkInertia {
   Mat3 inertia = Mat3::Zero();
 };
 
-/// Coulomb's coefficient and lever arms [m].  Two surfaces have the larger of each, as far as the larger
-/// number of directions goes: 1 none, 3 sliding, 4 spinning as well, 6 rolling as well.
+/// Coulomb's coefficient and lever arms [m].  Two surfaces have those of the one with priority, or the larger
+/// of each, as far as the larger number of directions goes: 1 none, 3 sliding, 4 spinning as well, 6 rolling
+/// as well.
 struct Surface {
   int directions = 3;
   double sliding = 0.5, spinning = 0, rolling = 0;
+  int priority = 0;
   int number = 0;  ///< of one that a pair names, which has coefficients of its own with another; 0: none
   auto operator<=>(const Surface&) const = default;
 };
 inline Surface larger_of(const Surface& a, const Surface& b) {
+  if (a.priority != b.priority) return a.priority > b.priority ? a : b;
   return {std::max(a.directions, b.directions), std::max(a.sliding, b.sliding),
-          std::max(a.spinning, b.spinning), std::max(a.rolling, b.rolling)};
+          std::max(a.spinning, b.spinning), std::max(a.rolling, b.rolling), a.priority};
 }
 
 /// A collision shape.
@@ -125,8 +128,8 @@ struct LinkFrame {
   Pose X_LF;
 };
 
-/// Closes a loop: origins of both frames meet; `fixed`: axes as well.  With axes it is the joint that has
-/// them, where both links are.
+/// Closes a loop: origins of both frames meet; `fixed`: axes as well; `hinge`: one axis.  With axes it is the
+/// joint that has them, where both links are.
 struct Loop {
   std::string name;
   LinkFrame a, b;
@@ -134,6 +137,7 @@ struct Loop {
   std::vector<LinkAxis> axes;  ///< in the frame of the link of b
   bool active = true;
   ModelPlace place;
+  std::optional<Vec3> hinge{};  ///< the axis that both frames have in common, in either of them
 };
 
 /// Names an axis by the link that has it.
@@ -153,12 +157,16 @@ struct AxisRelation {
   ModelPlace place;
 };
 
-/// A wire through points of links: at most `longest` long, or with a spring; or a bar of its length.
+/// A wire through points of links: at most `longest` long, or with a spring; or a bar of its length.  That
+/// of a pulley has four: the way from the second to the third, of one link, does not count, and what is
+/// behind them counts `ratio` times.
 struct Wire {
   std::string name;
   std::vector<LinkFrame> points;
+  bool pulley = false;
+  double ratio = 1;
   double longest = kNoLimit;
-  std::optional<double> bar;  ///< that two points keep [m]
+  std::optional<double> bar;  ///< length that two points, or a pulley, keep [m]
   bool bar_active = true;
   double stiffness = 0, damping = 0;
   double rest = 0, slack = 0;  ///< the spring is at rest from this length on, over this much more

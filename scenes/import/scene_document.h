@@ -63,6 +63,7 @@ class SceneDocument {
   static SceneJson motor_json(const LinkAxis& axis);
   void ball_axes(SceneJson& axes, const LinkAxis& axis);
   void write_loop(SceneJson& joints, const Loop& loop);
+  double write_turn_of_loop(SceneJson& json, const Loop& loop, const Pose& A, const Pose& B) const;
   void write_closing_joint(SceneJson& joints, const Loop& loop);
   void write_relation(SceneJson& joints, const AxisRelation& relation);
   void write_armatures(SceneJson& bodies, SceneJson& joints);
@@ -72,6 +73,7 @@ class SceneDocument {
   SceneJson wire_ends(const Wire& wire) const;
   void write_rope(SceneJson& document, const Wire& wire);
   void write_bar(SceneJson& document, const Wire& wire);
+  void write_pulley(SceneJson& document, const Wire& wire);
   void write_wire_spring(SceneJson& document, const Wire& wire);
   void write_probes(SceneJson& document);
   SceneJson probe_json(const ModelProbe& probe, bool& known);

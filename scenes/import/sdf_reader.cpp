@@ -4,6 +4,7 @@
 #include <charconv>
 #include <map>
 
+#include "scenes/import/height_picture.h"
 #include "scenes/import/link_inertia.h"
 #include "scenes/import/mesh_shape.h"
 #include "scenes/import/sdf_sensor.h"
@@ -26,13 +27,15 @@ class SdfModelReader {
     static_ = flag(node_, "static", false);
     own_touch_ = flag(node_, "self_collide", false);
     gather_frames();
-    for (const pugi::xml_node& link : files_.children(node_, "link")) read_link(link);
-    for (const pugi::xml_node& joint : files_.children(node_, "joint")) read_joint(joint);
-    for (const pugi::xml_node& joint : files_.children(node_, "joint"))
-      if (std::string_view(joint.attribute("type").value()) == "gearbox")
-        read_gearbox(joint);
-      else if (!static_)
-        relate(joint);
+    const auto each = [&](const char* name, void (SdfModelReader::*read_one)(const pugi::xml_node&)) {
+      bool all = true;
+      for (const pugi::xml_node& node : files_.children(node_, name))
+        all = files_.attempt([&] { (this->*read_one)(node); }) && all;
+      return all && is_whole_;
+    };
+    // What follows would lack what is wrong.
+    if (each("link", &SdfModelReader::read_link) && each("joint", &SdfModelReader::read_joint))
+      each("joint", &SdfModelReader::relate);
   }
 
  private:
@@ -81,7 +84,9 @@ class SdfModelReader {
   Pose frame(const pugi::xml_node& from, const std::string& name, int depth = 0) {
     if (name.empty() || name == "__model__" || name == "world") return {};
     const auto found = frames_.find(name);
-    if (found == frames_.end()) files_.fail(from, "there is no frame of this name (value: " + name + ")");
+    if (found == frames_.end())
+      files_.fail(from,
+                  "there is no frame of this name" + near_name(name, frames_) + " (value: " + name + ")");
     return pose_in_model(found->second, depth + 1);
   }
 
@@ -107,7 +112,8 @@ class SdfModelReader {
     link.X_WL.q.normalize();
     link.free = !static_;
     link.inertia = inertia_of(node);
-    for (const pugi::xml_node& shape : files_.children(node, "collision")) read_collision(link, shape);
+    for (const pugi::xml_node& shape : files_.children(node, "collision"))
+      is_whole_ = files_.attempt([&] { read_collision(link, shape); }) && is_whole_;
     const int index = static_cast<int>(model_.links.size());
     for (const pugi::xml_node& sensor : files_.children(node, "sensor"))
       read_sdf_sensor(files_, sensor, {index, {}}, false, model_);
@@ -182,16 +188,20 @@ class SdfModelReader {
     if (const auto ball = files_.child(geometry, "sphere")) return Sphere{length(ball, "radius")};
     if (const auto round = files_.child(geometry, "cylinder"))
       return Cylinder{length(round, "radius"), length(round, "length")};
-    if (const auto capsule = files_.child(geometry, "capsule"))
+    if (const auto capsule = files_.child_or(geometry, "capsule", "drake:capsule"))
       return Capsule{length(capsule, "radius"), length(capsule, "length")};
     if (const auto ellipsoid = files_.child(geometry, "ellipsoid"))
       return Ellipsoid{triple(ellipsoid, "radii")};
+    if (const auto egg = files_.child(geometry, "drake:ellipsoid"))
+      return Ellipsoid{{length(egg, "a"), length(egg, "b"), length(egg, "c")}};
     if (const auto plane = files_.child(geometry, "plane")) {
       const Vec3 normal = files_.child(plane, "normal") ? triple(plane, "normal") : Vec3(Vec3::UnitZ());
       X_LS.q = X_LS.q * rotation_between(Vec3::UnitZ(), direction(files_, plane, "normal", normal));
       files_.child(plane, "size");
       return HalfSpace{};
     }
+    if (const auto cone = files_.child(geometry, "cone")) return cone_of(cone, X_LS);
+    if (const auto map = files_.child(geometry, "heightmap")) return field_of(map, X_LS);
     if (const auto mesh = files_.child(geometry, "mesh")) {
       const Vec3 scale = files_.child(mesh, "scale") ? triple(mesh, "scale") : Vec3(Vec3::Ones());
       return mesh_hull(files_.folder(mesh), text(mesh, "uri"), scale);
@@ -200,11 +210,34 @@ class SdfModelReader {
     return {};
   }
 
+  /// Its frame is in the middle of its length, with the apex at +z; the shape's is at the centre of its mass.
+  Shape cone_of(const pugi::xml_node& node, Pose& X_LS) {
+    const Cone cone{length(node, "radius"), length(node, "length")};
+    X_LS = X_LS * Pose{Quat::Identity(), Vec3(0, 0, -cone.height / 4)};
+    return cone;
+  }
+
+  /// A picture, with its first row at +y: its largest value is as high as the size says, black is 0.
+  Shape field_of(const pugi::xml_node& node, Pose& X_LS) {
+    const Vec3 size = files_.child(node, "size") ? triple(node, "size") : Vec3(Vec3::Ones());
+    for (double edge : size) positive(files_, node, "size", edge);
+    const std::string uri = text(node, "uri");
+    HeightPicture picture = read_png(read_named_file(files_.folder(node), uri));
+    const double most = std::ranges::max(picture.values);
+    for (double& value : picture.values) value *= most > 0 ? size.z() / most : 0;
+    turn_rows(picture.values, picture.width);
+    if (files_.child(node, "pos")) X_LS = X_LS * Pose{Quat::Identity(), triple(node, "pos")};
+    note(node, "<heightmap>: all that is below it is solid");
+    return field_over(picture.width, picture.height, size, std::move(picture.values));
+  }
+
   // --- joints
   int link_of(const pugi::xml_node& joint, const std::string& name) {
     if (name == "world") return kWorld;
     const auto found = index_.find(name);
-    if (found == index_.end()) files_.fail(joint, "there is no link of this name (value: " + name + ")");
+    if (found == index_.end())
+      files_.fail(joint,
+                  "there is no link of this name" + near_name(name, index_) + " (value: " + name + ")");
     return found->second;
   }
 
@@ -260,7 +293,10 @@ class SdfModelReader {
     if (type == "universal" || type == "revolute2")
       return {axis_of(node, "axis", name + "_1", Freedom::kHinge, child),
               axis_of(node, "axis2", name + "_2", Freedom::kHinge, child)};
-    files_.fail(node, "joint \"" + name + "\" has an unknown type (value: " + type + ")");
+    files_.fail(node, "joint \"" + name + "\" has an unknown type" +
+                          meant_type(type, {"fixed", "revolute", "continuous", "prismatic", "ball", "screw",
+                                            "universal", "revolute2", "gearbox"}) +
+                          " (value: " + type + ")");
   }
 
   LinkAxis axis_of(const pugi::xml_node& joint, const char* key, const std::string& name, LinkAxis::Kind kind,
@@ -278,6 +314,9 @@ class SdfModelReader {
     }
     axis.axis = X_LM.q * (axis_frame(node, X_MJ) * direction(files_, node, "xyz", triple(node, "xyz")));
     if (const auto limit = files_.child(node, "limit")) {
+      const bool effort = files_.child(limit, "effort"), velocity = files_.child(limit, "velocity");
+      if (effort || velocity)
+        note(limit, "<limit>: <effort> and <velocity> bound a motor, and an SDF has none: nothing to bound");
       axis.law.lower = value(limit, "lower", -kNoLimit);
       axis.law.upper = value(limit, "upper", kNoLimit);
       if (std::abs(axis.law.lower) >= 1e16) axis.law.lower = -kNoLimit;  // what stands for none
@@ -304,8 +343,10 @@ class SdfModelReader {
     return given && *given ? frame(axis, given).q : X_MJ.q;
   }
 
-  /// Mimics and sensors of a joint, which need the others.
+  /// Gearboxes, and mimics and sensors of a joint, which need the others.
   void relate(const pugi::xml_node& node) {
+    if (std::string_view(node.attribute("type").value()) == "gearbox") return read_gearbox(node);
+    if (static_) return;
     const std::string name = files_.required(node, "name");
     for (const char* key : {"axis", "axis2"})
       if (const auto axis = files_.child(node, key))
@@ -381,6 +422,7 @@ class SdfModelReader {
   RobotModel& model_;
   Pose X_WM_;
   bool static_ = false, own_touch_ = false;
+  bool is_whole_ = true;  // no part of a link is wrong
   std::map<std::string, pugi::xml_node> frames_;
   std::map<std::string, int> index_;
   std::map<std::string, int> link_of_joint_;  // the link that hangs on it; kWorld: it closes a loop
@@ -400,9 +442,10 @@ RobotModel read_sdf(XmlFiles& files, const pugi::xml_node& sdf) {
   }
   if (models.empty()) files.fail(sdf, "has no <model>");
   for (const pugi::xml_node& node : models) {
-    SdfModelReader(files, node, model).read();
+    files.attempt([&] { SdfModelReader(files, node, model).read(); });
     ++model.models;
   }
+  files.throw_problems();
   if (models.size() == 1) model.name = models[0].attribute("name").value();
   return model;
 }

@@ -182,7 +182,10 @@ class StartSearch {
       B = pose(loop.b.link) * at;
       turned = loop.axes[0].kind != LinkAxis::Kind::kBall;
     }
-    const Vec3 p = B.p - A.p, turn = turned ? log_so3(A.q.conjugate() * B.q) : Vec3(Vec3::Zero());
+    turned = turned || loop.hinge;
+    const Vec3 p = B.p - A.p, turn = loop.hinge ? Vec3(B.q * *loop.hinge - A.q * *loop.hinge)
+                                     : turned   ? log_so3(A.q.conjugate() * B.q)
+                                                : Vec3(Vec3::Zero());
     gap.insert(gap.end(), p.begin(), p.end());
     if (turned) gap.insert(gap.end(), turn.begin(), turn.end());
   }

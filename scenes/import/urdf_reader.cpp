@@ -24,15 +24,22 @@ class UrdfReader {
 
   RobotModel read() {
     if (const char* name = files_.find(robot_, "name")) model_.name = name;
-    for (const pugi::xml_node& node : files_.children(robot_, "joint")) read_joint(node);
-    for (const pugi::xml_node& node : files_.children(robot_, "link")) read_link(node);
+    const auto each = [&](const char* name, void (UrdfReader::*read_one)(const pugi::xml_node&)) {
+      for (const pugi::xml_node& node : files_.children(robot_, name))
+        files_.attempt([&] { (this->*read_one)(node); });
+    };
+    each("joint", &UrdfReader::read_joint);
+    each("link", &UrdfReader::read_link);
+    files_.throw_problems();  // what follows would lack what is wrong
     if (link_nodes_.empty()) files_.fail(robot_, "has no links");
     read_starts();
     place_links(root());
-    for (const pugi::xml_node& node : files_.children(robot_, "loop_joint")) read_loop(node);
+    files_.throw_problems();
+    each("loop_joint", &UrdfReader::read_loop);
     relate();
     for (const pugi::xml_node& node : robot_.children("gazebo"))
-      if (node.child("sensor")) read_gazebo(node);
+      if (node.child("sensor") || node.child("mu1")) files_.attempt([&] { read_gazebo(node); });
+    files_.throw_problems();
     return std::move(model_);
   }
 
@@ -69,9 +76,12 @@ class UrdfReader {
     std::string found;
     for (const UrdfJoint& joint : joints_)
       for (const std::string& name : {joint.parent, joint.child})
-        if (!link_nodes_.contains(name))
-          files_.fail(joint.node,
-                      "joint \"" + joint.name + "\" names a link that is not there (value: " + name + ")");
+        files_.attempt([&] {
+          if (!link_nodes_.contains(name))
+            files_.fail(joint.node, "joint \"" + joint.name + "\" names a link that is not there" +
+                                        near_name(name, link_nodes_) + " (value: " + name + ")");
+        });
+    files_.throw_problems();
     for (const std::string& name : order_) {
       if (joint_of_child_.contains(name)) continue;
       if (!found.empty())
@@ -94,8 +104,9 @@ class UrdfReader {
     if (depth > kMostElementsDeep) files_.fail(mimic, "joints mimic each other in a circle");
     const auto driving = joint_by_name_.find(files_.required(mimic, "joint"));
     if (driving == joint_by_name_.end())
-      files_.fail(mimic, std::string("there is no joint of this name (value: ") +
-                             mimic.attribute("joint").value() + ")");
+      files_.fail(mimic, "there is no joint of this name" +
+                             near_name(mimic.attribute("joint").value(), joint_by_name_) +
+                             " (value: " + mimic.attribute("joint").value() + ")");
     return number(files_, mimic, "multiplier", 1) * start_of(driving->second, depth + 1) +
            number(files_, mimic, "offset", 0);
   }
@@ -148,9 +159,12 @@ class UrdfReader {
     Link link;
     link.name = name;
     link.place = files_.place(node);
-    link.inertia = inertia_of(node);
+    files_.attempt([&] { link.inertia = inertia_of(node); });
     link.shapes = shapes_of(node);
-    if (joint) read_motion_of(link, *joint);
+    if (joint) {
+      link.parent = index_.at(joint->parent);
+      files_.attempt([&] { read_motion_of(link, *joint); });
+    }
     index_[name] = static_cast<int>(model_.links.size());
     model_.links.push_back(std::move(link));
   }
@@ -171,18 +185,20 @@ class UrdfReader {
 
   std::vector<LinkShape> shapes_of(const pugi::xml_node& link) {
     std::vector<LinkShape> shapes;
-    for (const pugi::xml_node& node : files_.children(link, "collision")) {
-      const pugi::xml_node geometry = files_.child(node, "geometry");
-      if (!geometry) files_.fail(node, "<collision> needs <geometry>");
-      const Pose X = origin_of(node);
-      if (auto shape = shape_of(geometry)) {
-        LinkShape placed;
-        placed.shape = std::move(*shape);
-        placed.X_LS = X;
-        if (const char* name = files_.find(node, "name")) placed.name = name;
-        shapes.push_back(std::move(placed));
-      }
-    }
+    for (const pugi::xml_node& node : files_.children(link, "collision"))
+      files_.attempt([&] {
+        const pugi::xml_node geometry = files_.child(node, "geometry");
+        if (!geometry) files_.fail(node, "<collision> needs <geometry>");
+        const Pose X = origin_of(node);
+        const char* name = files_.find(node, "name");
+        if (auto shape = shape_of(geometry)) {
+          LinkShape placed;
+          placed.shape = std::move(*shape);
+          placed.X_LS = X;
+          if (name) placed.name = name;
+          shapes.push_back(std::move(placed));
+        }
+      });
     return shapes;
   }
 
@@ -204,12 +220,19 @@ class UrdfReader {
       const Cylinder cylinder{size(round, "radius"), size(round, "length")};
       least = std::min(cylinder.radius, cylinder.length);
       shape = cylinder;
-    } else if (const auto capsule = files_.child(geometry, "capsule")) {
+    } else if (const auto egg = files_.child(geometry, "drake:ellipsoid")) {
+      const Vec3 radii(size(egg, "a"), size(egg, "b"), size(egg, "c"));
+      least = radii.minCoeff();
+      shape = Ellipsoid{radii};
+    } else if (const auto capsule = files_.child_or(geometry, "capsule", "drake:capsule")) {
       shape = Capsule{least = size(capsule, "radius"), size(capsule, "length")};
     } else if (const auto mesh = files_.child(geometry, "mesh")) {
       return hull_of(mesh);
     } else {
-      files_.fail(geometry, "<geometry> has none of box, sphere, cylinder, capsule and mesh");
+      const std::string given = geometry.first_child().name();
+      files_.fail(geometry,
+                  "<geometry> has none of box, sphere, cylinder, capsule, drake:ellipsoid and mesh" +
+                      meant_type(given, {"box", "sphere", "cylinder", "capsule", "drake:ellipsoid", "mesh"}));
     }
     if (least > 0) return shape;
     note(geometry, "<geometry> of size 0: left out");
@@ -229,7 +252,6 @@ class UrdfReader {
 
   /// The motion that a joint gives its child, and where the child is.
   void read_motion_of(Link& link, const UrdfJoint& joint) {
-    link.parent = index_.at(joint.parent);
     link.joint_name = joint.name;
     const double start = start_[joint_by_name_.at(joint.name)];
     Pose moved;
@@ -246,7 +268,10 @@ class UrdfReader {
     } else if (joint.type == "floating") {
       link.free = true;
     } else if (joint.type != "fixed") {
-      files_.fail(joint.node, "joint \"" + joint.name + "\" has an unknown type (value: " + joint.type + ")");
+      files_.fail(joint.node, "joint \"" + joint.name + "\" has an unknown type" +
+                                  meant_type(joint.type, {"revolute", "continuous", "prismatic", "fixed",
+                                                          "floating", "planar", "ball", "spherical"}) +
+                                  " (value: " + joint.type + ")");
     }
     const Pose X_WP = link.parent == kWorld ? Pose{} : model_.links[link.parent].X_WL;
     link.X_WL = X_WP * joint.origin * moved;
@@ -265,7 +290,14 @@ class UrdfReader {
       axis.axis = direction(files_, node, "xyz", vector(files_, node, "xyz", Vec3::UnitX()));
     else
       axis.axis = Vec3::UnitX();
-    if (const auto limit = files_.child(joint.node, "limit"); limit && joint.type != "continuous") {
+    const auto limit = files_.child(joint.node, "limit");
+    const bool endless = joint.type == "continuous";
+    if (limit) note_motor_limits(limit);
+    if (limit && endless && (limit.attribute("lower") || limit.attribute("upper"))) {
+      files_.find(limit, "lower"), files_.find(limit, "upper");
+      note(limit, "<limit> of a continuous joint: \"lower\" and \"upper\" do not count");
+    }
+    if (limit && !endless) {
       axis.law.lower = number(files_, limit, "lower", 0);
       axis.law.upper = number(files_, limit, "upper", 0);
       if (axis.law.lower > axis.law.upper)
@@ -280,6 +312,14 @@ class UrdfReader {
     return axis;
   }
 
+  /// What a motor of the joint may at most do; no motor is in the file.
+  void note_motor_limits(const pugi::xml_node& limit) {
+    const char *effort = files_.find(limit, "effort"), *velocity = files_.find(limit, "velocity");
+    if (effort || velocity)
+      note(limit,
+           "<limit>: \"effort\" and \"velocity\" bound a motor, and a URDF has none: nothing to bound");
+  }
+
   /// Two slides across the normal and a turn about it.
   std::vector<LinkAxis> planar_axes(const UrdfJoint& joint) {
     LinkAxis turn = axis_of(joint, LinkAxis::Kind::kHinge, 0);
@@ -291,13 +331,26 @@ class UrdfReader {
     return {x, y, turn};
   }
 
-  /// Two points of links that stay together: an extension, as Drake reads it.
+  /// Two frames of links that stay together, an extension: their origins do, and of a hinge an axis, which
+  /// has the same components in both.  Without a type it is a ball.
   void read_loop(const pugi::xml_node& node) {
     Loop loop;
     loop.place = files_.place(node);
     if (const char* name = files_.find(node, "name")) loop.name = name;
     loop.a = loop_end(node, "link1");
     loop.b = loop_end(node, "link2");
+    const char* given = files_.find(node, "type");
+    const std::string type = given ? given : "ball";
+    if (type == "revolute" || type == "continuous") {
+      const pugi::xml_node axis = files_.child(node, "axis");
+      loop.hinge = axis ? direction(files_, axis, "xyz", vector(files_, axis, "xyz", Vec3::UnitX()))
+                        : Vec3(Vec3::UnitX());
+    } else if (type == "fixed") {
+      loop.fixed = true;
+    } else if (type != "ball" && type != "spherical") {
+      files_.fail(node, "<loop_joint> is none of revolute, continuous, ball, spherical and fixed (value: " +
+                            type + ")");
+    }
     model_.loops.push_back(std::move(loop));
   }
   LinkFrame loop_end(const pugi::xml_node& loop, const char* key) {
@@ -305,8 +358,8 @@ class UrdfReader {
     if (!node) files_.fail(loop, std::string("<loop_joint> needs <") + key + ">");
     const auto link = index_.find(files_.required(node, "link"));
     if (link == index_.end())
-      files_.fail(
-          node, std::string("there is no link of this name (value: ") + node.attribute("link").value() + ")");
+      files_.fail(node, "there is no link of this name" + near_name(node.attribute("link").value(), index_) +
+                            " (value: " + node.attribute("link").value() + ")");
     return {link->second,
             {from_rpy(vector(files_, node, "rpy", Vec3::Zero())), vector(files_, node, "xyz", Vec3::Zero())}};
   }
@@ -331,18 +384,40 @@ class UrdfReader {
     }
   }
 
-  /// Sensors of a link or a joint; what else there is has no counterpart.
+  /// Sensors of a link or a joint, and the friction of a link; what else there is has no counterpart.
   void read_gazebo(const pugi::xml_node& node) {
     files_.accept(node);
+    if (!node.child("sensor") && !node.attribute("reference"))
+      return note(node, "<gazebo>: friction of no link: left out");
     const std::string name = files_.required(node, "reference");
     const auto link = index_.find(name);
     const auto joint = joint_by_name_.find(name);
+    if (link != index_.end()) read_friction(node, link->second);
+    if (link == index_.end() && !node.child("sensor"))
+      return note(node, "<gazebo>: friction of no link that is there: left out");
     if (link == index_.end() && joint == joint_by_name_.end())
-      files_.fail(node, "there is no link or joint of this name (value: " + name + ")");
+      files_.fail(node, "there is no link or joint of this name" + near_name(name, index_) +
+                            " (value: " + name + ")");
     const bool of_joint = link == index_.end();
     const int at = of_joint ? index_.at(joints_[joint->second].child) : link->second;
     for (const pugi::xml_node& sensor : files_.children(node, "sensor"))
       read_sdf_sensor(files_, sensor, {at, {}}, of_joint, model_);
+  }
+
+  /// Coulomb's coefficient of all shapes of a link, as a text or as `value`.
+  void read_friction(const pugi::xml_node& gazebo, int link) {
+    const auto coefficient = [&](const char* name) -> std::optional<double> {
+      const pugi::xml_node node = files_.child(gazebo, name);
+      if (!node) return {};
+      const char* given = files_.find(node, "value");
+      const std::string text(given ? std::string_view(given) : text_of(node));
+      return not_negative(files_, node, name, exactly(files_, node, name, text, 1)[0]);
+    };
+    const auto first = coefficient("mu1"), second = coefficient("mu2");
+    if (!first) return;
+    if (second && *second != *first)
+      note(gazebo, "<gazebo>: friction that differs by direction: \"mu1\" is taken");
+    for (LinkShape& shape : model_.shapes_of(link)) shape.surface.sliding = *first;
   }
 
   void note(const pugi::xml_node& node, const std::string& message) {

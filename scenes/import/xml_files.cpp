@@ -4,6 +4,8 @@
 #include <charconv>
 #include <cmath>
 #include <set>
+#include <tuple>
+#include <utility>
 
 #include "scenes/files/scene_file.h"
 #include "scenes/support/suggestion.h"
@@ -11,10 +13,56 @@
 namespace taut::model {
 namespace {
 
-/// Names of what a model looks like.
+/// Names of what a model looks like, by themselves or with the element in front.
 const std::set<std::string_view> kLooks = {
-    "rgba",  "material", "texture",  "light",    "camera",    "visual", "statistic", "skin",    "ambient",
-    "color", "diffuse",  "emissive", "specular", "headlight", "group",  "width",     "texcoord"};
+    "rgba",  "material", "texture",  "light",     "camera",    "visual",      "statistic",
+    "skin",  "ambient",  "color",    "diffuse",   "emissive",  "specular",    "headlight",
+    "group", "width",    "texcoord", "site size", "site type", "site fromto", "compiler texturedir"};
+
+/// How another program computes.
+const std::set<std::string_view> kComputes = {"option integrator",
+                                              "option solver",
+                                              "option iterations",
+                                              "option tolerance",
+                                              "option ls_iterations",
+                                              "option ls_tolerance",
+                                              "option noslip_iterations",
+                                              "option noslip_tolerance",
+                                              "option ccd_iterations",
+                                              "option ccd_tolerance",
+                                              "option mpr_iterations",
+                                              "option mpr_tolerance",
+                                              "option jacobian",
+                                              "option cone",
+                                              "option impratio",
+                                              "option sleep_tolerance",
+                                              "flag warmstart",
+                                              "flag energy",
+                                              "flag multiccd",
+                                              "flag nativeccd",
+                                              "flag island",
+                                              "flag sleep",
+                                              "flag midphase",
+                                              "flag fwdinv",
+                                              "body sleep",
+                                              "size"};
+
+/// Softness that goes with the mass it acts on, which no stiffness is.
+const std::set<std::string_view> kSoft = {"solref",         "solimp",         "solreflimit", "solimplimit",
+                                          "solreffriction", "solimpfriction", "solrefsolve"};
+
+/// What becomes of an element, or of an attribute of it, that nobody has asked for.
+const char* fate_of(std::string_view element, std::string_view attribute) {
+  const std::string both = std::string(element) + ' ' + std::string(attribute);
+  const auto is_in = [&](const std::set<std::string_view>& names) {
+    return names.contains(both) || names.contains(attribute.empty() ? element : attribute);
+  };
+  if (is_in(kLooks)) return ": only looks, left out";
+  if (is_in(kComputes)) return ": how another program computes, left out";
+  if (is_in(kSoft)) return ": softness that goes with the mass has no counterpart, it is rigid";
+  if (element == "transmission") return ": of controllers, left out";
+  return ": has no counterpart";
+}
 
 /// Places at which lines begin.
 std::vector<std::ptrdiff_t> line_starts(std::string_view text) {
@@ -144,7 +192,21 @@ void XmlFiles::expand(const pugi::xml_node& node, std::vector<pugi::xml_node>& r
   }
 }
 
+void XmlFiles::know_children(const char* name, const std::vector<std::string>& children) {
+  known_children_[name].insert(children.begin(), children.end());
+}
+
+/// The same is asked for very often.
+void XmlFiles::note_asked(std::map<std::string, std::set<std::string>>& known, const pugi::xml_node& of,
+                          std::string_view what) {
+  const std::hash<std::string_view> hash;
+  const std::size_t of_children = &known == &known_children_ ? 1 : 0;
+  if (asked_.insert(31 * (31 * hash(of.name()) + hash(what)) + of_children).second)
+    known[of.name()].emplace(what);
+}
+
 std::vector<pugi::xml_node> XmlFiles::children(const pugi::xml_node& node, const char* name) {
+  note_asked(known_children_, node, name);
   std::vector<pugi::xml_node> result;
   for (const pugi::xml_node& child : children(node))
     if (std::string_view(child.name()) == name) {
@@ -155,6 +217,7 @@ std::vector<pugi::xml_node> XmlFiles::children(const pugi::xml_node& node, const
 }
 
 pugi::xml_node XmlFiles::child(const pugi::xml_node& node, const char* name) {
+  note_asked(known_children_, node, name);
   for (const pugi::xml_node& child : children(node))
     if (std::string_view(child.name()) == name) {
       used_.insert(child.hash_value());
@@ -164,6 +227,7 @@ pugi::xml_node XmlFiles::child(const pugi::xml_node& node, const char* name) {
 }
 
 const char* XmlFiles::find(const pugi::xml_node& node, const char* attribute) {
+  note_asked(known_attributes_, node, attribute);
   const pugi::xml_attribute found = node.attribute(attribute);
   if (!found) return nullptr;
   used_.insert(node.hash_value());
@@ -173,29 +237,58 @@ const char* XmlFiles::find(const pugi::xml_node& node, const char* attribute) {
 
 const char* XmlFiles::required(const pugi::xml_node& node, const char* attribute) {
   if (const char* text = find(node, attribute)) return text;
-  fail(node, std::string("<") + node.name() + "> needs the attribute \"" + attribute + "\"");
+  std::string message = std::string("<") + node.name() + "> needs the attribute \"" + attribute + "\"";
+  for (const pugi::xml_attribute& given : node.attributes())
+    if (!used_.contains(given.hash_value()) && !did_you_mean(given.name(), {attribute}).empty())
+      message += std::string("; is \"") + given.name() + "\" meant to be it?";
+  fail(node, message);
+}
+
+void XmlFiles::throw_problems() {
+  if (problems_.empty()) return;
+  std::ranges::stable_sort(problems_, [](const ImportNotice& a, const ImportNotice& b) {
+    return std::tie(a.place.file, a.place.line) < std::tie(b.place.file, b.place.line);
+  });
+  throw ImportError(std::exchange(problems_, {}));
+}
+
+void XmlFiles::give_up() {
+  is_over_ = true;
+  throw_problems();
+  throw ImportError({{}, 0}, "cannot be read");  // never: give_up() follows a problem
+}
+
+/// A name that is known there, and near.
+std::string XmlFiles::meant(const std::map<std::string, std::set<std::string>>& known,
+                            const pugi::xml_node& in, std::string_view name) const {
+  const auto found = known.find(in.name());
+  // Of a symmetric matrix, some write all six others.
+  if (found == known.end() || found->second.contains(std::string(name)) || name == "iyx" || name == "izx" ||
+      name == "izy")
+    return {};
+  return did_you_mean(name, {found->second.begin(), found->second.end()});
 }
 
 void XmlFiles::accept_all(const pugi::xml_node& node) { accepted_.insert(node.hash_value()); }
 
 std::vector<ImportNotice> XmlFiles::unread() const {
   std::map<std::string, ImportNotice> found;
-  const auto note = [&](const std::string& name, const pugi::xml_node& node, std::string_view what) {
-    const auto [entry, added] = found.try_emplace(
-        name, ImportNotice{place(node), name + (kLooks.contains(what) ? ": only looks, left out"
-                                                                      : ": has no counterpart")});
+  const auto note = [&](const std::string& name, const pugi::xml_node& node, const std::string& fate) {
+    const auto [entry, added] = found.try_emplace(name + fate, ImportNotice{place(node), name + fate});
     if (!added) ++entry->second.count;
   };
   const auto visit = [&](const auto& self, const pugi::xml_node& node) -> void {
     for (const pugi::xml_attribute& attribute : node.attributes())
       if (!used_.contains(attribute.hash_value()) && !std::string_view(attribute.name()).starts_with("xmlns"))
-        note(std::string("<") + node.name() + "> \"" + attribute.name() + '"', node, attribute.name());
+        note(std::string("<") + node.name() + "> \"" + attribute.name() + '"', node,
+             fate_of(node.name(), attribute.name()) + meant(known_attributes_, node, attribute.name()));
     for (const pugi::xml_node& child : node.children()) {
       if (child.type() != pugi::node_element || accepted_.contains(child.hash_value())) continue;
       if (used_.contains(child.hash_value()))
         self(self, child);
       else
-        note(std::string("<") + child.name() + '>', child, child.name());
+        note(std::string("<") + child.name() + '>', child,
+             fate_of(child.name(), "") + meant(known_children_, node, child.name()));
     }
   };
   for (const auto& file : files_) visit(visit, file->document.document_element());

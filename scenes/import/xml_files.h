@@ -5,6 +5,7 @@
 #include <map>
 #include <memory>
 #include <pugixml.hpp>
+#include <set>
 #include <string>
 #include <unordered_set>
 #include <vector>
@@ -48,6 +49,12 @@ class XmlFiles {
   /// The first of a name; null if there is none.
   pugi::xml_node child(const pugi::xml_node& node, const char* name);
 
+  /// That, or the same under the name that an extension gives it, such as "drake:capsule".
+  pugi::xml_node child_or(const pugi::xml_node& node, const char* name, const char* other) {
+    const pugi::xml_node found = child(node, name);
+    return found ? found : child(node, other);
+  }
+
   /// The attribute's text, which counts as read; null if there is none.
   const char* find(const pugi::xml_node& node, const char* attribute);
   const char* required(const pugi::xml_node& node, const char* attribute);
@@ -59,6 +66,30 @@ class XmlFiles {
     throw ImportError(place(node), message);
   }
 
+  /// Reads a part of a model.  What is wrong with it is kept for throw_problems(), and reading goes on, up to
+  /// kMostProblems.  @returns whether all is well with it.
+  template <typename Read>
+  bool attempt(Read read) {
+    try {
+      read();
+      return true;
+    } catch (const ImportError& error) {
+      if (is_over_) throw;
+      problems_.insert(problems_.end(), error.problems().begin(), error.problems().end());
+      if (problems_.size() >= kMostProblems) give_up();
+      return false;
+    }
+  }
+  /// @throws ImportError of all that attempt() has kept, if there is any.
+  void throw_problems();
+  /// No attempt() goes on after this.
+  [[noreturn]] void give_up(const pugi::xml_node& node, const std::string& message) {
+    problems_.push_back({place(node), message, 1});
+    give_up();
+  }
+
+  /// Elements that an element of this name may have, where all its children are read by one function.
+  void know_children(const char* name, const std::vector<std::string>& children);
   /// Elements and attributes that nobody has asked for, by name.  What is in such an element is not named.
   std::vector<ImportNotice> unread() const;
 
@@ -68,11 +99,21 @@ class XmlFiles {
                                const std::filesystem::path& folder);
   const File& file_of(const pugi::xml_node& node) const;
   void expand(const pugi::xml_node& node, std::vector<pugi::xml_node>& result);
+  [[noreturn]] void give_up();
+  void note_asked(std::map<std::string, std::set<std::string>>& known, const pugi::xml_node& of,
+                  std::string_view what);
+  std::string meant(const std::map<std::string, std::set<std::string>>& known, const pugi::xml_node& in,
+                    std::string_view name) const;
 
   std::deque<std::unique_ptr<File>> files_;
   std::map<std::size_t, File*> file_of_root_;                 // by hash of the document
   std::unordered_map<std::size_t, pugi::xml_node> included_;  // by hash of the <include>
   std::unordered_set<std::size_t> used_, accepted_;
+  std::vector<ImportNotice> problems_;
+  bool is_over_ = false;
+  /// By the name of an element: what was asked for of it.
+  std::map<std::string, std::set<std::string>> known_attributes_, known_children_;
+  std::unordered_set<std::size_t> asked_;  // hashes of what is among them
 };
 
 /// Numbers of a text, separated by white space.

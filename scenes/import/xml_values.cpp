@@ -1,6 +1,9 @@
 #include "scenes/import/xml_values.h"
 
+#include <algorithm>
 #include <sstream>
+
+#include "scenes/files/synonyms.h"
 
 namespace taut::model {
 
@@ -65,6 +68,21 @@ Vec3 direction(XmlFiles& files, const pugi::xml_node& node, const char* name, co
 Quat from_rpy(const Vec3& rpy) {
   return exp_so3(rpy.z() * Vec3::UnitZ()) * exp_so3(rpy.y() * Vec3::UnitY()) *
          exp_so3(rpy.x() * Vec3::UnitX());
+}
+
+std::string meant_type(const std::string& given, const std::vector<std::string>& types) {
+  if (std::string meant = did_you_mean(given, types); !meant.empty()) return meant;
+  // Of the same thing, whose name in scene files both of them are, or have.
+  const auto is_same = [&](const std::string& type) {
+    if (!name_here(type, {given}).empty() || !name_here(given, {type}).empty()) return true;
+    for (const char* here : {"hinge", "slider", "ball", "fixed", "box", "sphere", "cylinder", "half_space",
+                             "triangle_mesh", "height_field", "six_dof", "capsule", "ellipsoid"})
+      if ((given == here || !name_here(given, {here}).empty()) && !name_here(type, {here}).empty())
+        return true;
+    return false;
+  };
+  const auto same = std::ranges::find_if(types, is_same);
+  return same == types.end() ? "" : "; did you mean \"" + *same + "\"?";
 }
 
 std::string_view text_of(const pugi::xml_node& node) {

@@ -16,6 +16,7 @@
 #include "scenes/accuracy/energy_study.h"
 #include "scenes/accuracy/method_study.h"
 #include "scenes/program/run_command.h"
+#include "scenes/support/file_ending.h"
 #include "scenes/support/gnuplot.h"
 #include "scenes/support/output_file.h"
 #include "scenes/support/program_path.h"
@@ -108,6 +109,7 @@ constexpr long kEnergySteps = 1'000'000;
 
 /// What --study asks for.
 int study_command(const fs::path& references, const fs::path& folder) {
+  require_folder_name("--study", folder.string());
   require_writable_folder("--study", folder.string());
   fs::create_directories(folder);
   const std::vector<ConvergenceRun> convergence = run_convergence(references, kStudied);
@@ -141,8 +143,14 @@ void check_outputs(const AccuracyOptions& options) {
   if (options.jobs < 0) fail("--jobs", "must not be negative", options.jobs);
   if (options.json == "-" && options.csv == "-") fail("--json and --csv", "cannot both go to", "-");
   require_distinct({{"--json", options.json.value_or("")}, {"--csv", options.csv.value_or("")}}, {});
-  if (options.json && *options.json != "-") require_writable("--json", *options.json);
-  if (options.csv && *options.csv != "-") require_writable("--csv", *options.csv);
+  if (options.json && *options.json != "-") {
+    require_ending("--json", *options.json, FileKind::kJson);
+    require_writable("--json", *options.json);
+  }
+  if (options.csv && *options.csv != "-") {
+    require_ending("--csv", *options.csv, FileKind::kTable);
+    require_writable("--csv", *options.csv);
+  }
 }
 
 /// What --contacts asks for.

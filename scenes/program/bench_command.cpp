@@ -17,6 +17,7 @@
 #include "scenes/program/run_command.h"
 #include "scenes/recording/recorder.h"
 #include "scenes/support/child_process.h"
+#include "scenes/support/file_ending.h"
 #include "scenes/support/gnuplot.h"
 #include "scenes/support/output_file.h"
 #include "scenes/support/program_path.h"
@@ -324,6 +325,7 @@ int run_scenes_and_programs(const fs::path& folder, const fs::path& build, const
 void check_bench_options(const BenchOptions& options) {
   if (!(options.factor > 0)) fail("--factor", "must be positive", options.factor);
   if (!(options.limit >= 0)) fail("--limit", "must not be negative", options.limit);
+  require_folder_name("--results", options.results);
   require_writable_folder("--results", options.results);
   if (options.work && options.contact) fail("--work", "is of joints alone, so not for", "--contact");
   if (options.friction && (options.work || options.contact))

@@ -9,6 +9,7 @@
 #include "core/base/check.h"
 #include "scenes/files/friction_file.h"
 #include "scenes/program/run_command.h"
+#include "scenes/support/file_ending.h"
 #include "scenes/support/format.h"
 #include "scenes/support/output_file.h"
 #include "scenes/support/printable.h"
@@ -151,9 +152,13 @@ bool solve_file(const FrictionOptions& options, const std::string& name, const F
 int friction_command(const FrictionOptions& options) {
   require_positive("--accuracy", options.accuracy);
   const bool to_output = options.json && *options.json == "-";
-  if (options.json && !to_output) require_writable("--json", *options.json);
+  if (options.json && !to_output) {
+    require_ending("--json", *options.json, FileKind::kJson);
+    require_writable("--json", *options.json);
+  }
   if (!options.solution_folder.empty()) {
     require_different_names(options.files);
+    require_folder_name("--solution", options.solution_folder);
     require_writable_folder("--solution", options.solution_folder);
   }
   bool good = true;

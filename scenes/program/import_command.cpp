@@ -5,6 +5,7 @@
 #include "scenes/files/scene_file.h"
 #include "scenes/import/import.h"
 #include "scenes/program/run_command.h"
+#include "scenes/support/file_ending.h"
 #include "scenes/support/format.h"
 #include "scenes/support/output_file.h"
 
@@ -12,6 +13,7 @@ namespace taut {
 
 int import_command(const std::string& model, const std::string& output) {
   require_distinct({{"--output", output}}, {{"the model", model}});
+  require_ending("--output", output, FileKind::kJson);
   require_writable("--output", output);
   std::vector<ImportNotice> notices;
   const std::string text = model_scene_text(model, &notices);

@@ -9,6 +9,7 @@
 #include "scenes/files/scene_schema.h"
 #include "scenes/files/scene_texts.h"
 #include "scenes/program/run_command.h"
+#include "scenes/program/run_summary.h"
 #include "scenes/support/output_file.h"
 #include "scenes/support/program_path.h"
 #include "scenes/support/suggestion.h"
@@ -79,8 +80,9 @@ int new_command(const NewOptions& options) {
     std::cerr << "taut: could not write " << failed << '\n';
     return kExitFailure;
   }
-  std::cout << "wrote " << options.file << "; now: taut check " << options.file << ", taut run "
-            << options.file << " --html page.html\n";
+  const std::string program = shell_word(options.program), file = shell_word(options.file);
+  std::cout << "wrote " << options.file << "; now: " << program << " check " << file << ", " << program
+            << " run " << file << " --html page.html\n";
   return kExitSuccess;
 }
 

@@ -8,6 +8,7 @@ struct NewOptions {
   std::string file;
   std::string name = "machine";  ///< of the template
   bool list = false, force = false;
+  std::string program = "taut";  ///< as it was called, for what is printed to be typed
 };
 
 /// `taut new`: writes a commented scene to begin with, or lists the templates.

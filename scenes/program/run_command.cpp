@@ -25,6 +25,7 @@
 #include "scenes/program/start_warnings.h"
 #include "scenes/recording/gap_meter.h"
 #include "scenes/recording/recorder.h"
+#include "scenes/support/file_ending.h"
 #include "scenes/support/format.h"
 #include "scenes/support/output_file.h"
 #include "scenes/support/temporary_folder.h"
@@ -54,6 +55,12 @@ class Outputs {
     check_distinct(options);
     require_not_negative("--poses-interval", options.poses_interval.value_or(0));
     require_not_negative("--frames-per-second", options.frames_per_second.value_or(0));
+    require_ending("--report", options.report_file, FileKind::kJson);
+    require_ending("--csv", options.csv_file, FileKind::kTable);
+    require_ending("--poses", options.poses_file, FileKind::kTable);
+    require_ending("--save", options.save_file, FileKind::kJson);
+    require_ending("--record", options.record_file, FileKind::kRecording);
+    require_folder_name("--dump-stages", options.stages_folder);
     require_writable("--report", options.report_file);
     require_writable("--csv", options.csv_file);
     require_writable("--poses", options.poses_file);

@@ -42,6 +42,7 @@ struct RunOptions {
   std::optional<double> frames_per_second;  ///< of the recording, 60 if not given; 0: every step
   LiveOptions live;                         ///< where it can be watched and driven
   bool quiet = false, verbose = false;
+  std::string program = "taut";    ///< as it was called, for how_to_see()
   std::vector<std::string> words;  ///< what was typed after `taut run`, for how_to_see(); may be empty
 };
 

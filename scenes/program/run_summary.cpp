@@ -114,18 +114,6 @@ std::string event_text(const EventRecord& event) {
          (event.what.empty() ? "" : ": " + event.what);
 }
 
-/// As a word of a shell.
-std::string shell_word(const std::string& word) {
-  const auto is_plain = [](char c) {
-    return std::isalnum(static_cast<unsigned char>(c)) != 0 ||
-           std::string_view("_@%+=:,./-").find(c) != std::string_view::npos;
-  };
-  if (!word.empty() && std::all_of(word.begin(), word.end(), is_plain)) return word;
-  std::string text = "'";
-  for (char c : word) text += c == '\'' ? "'\\''" : std::string(1, c);
-  return text + "'";
-}
-
 std::string page_beside(const std::string& file) {
   return std::filesystem::path(file).stem().string() + ".html";
 }
@@ -156,6 +144,17 @@ std::vector<std::string> without_outputs(const RunOptions& options) {
 
 }  // namespace
 
+std::string shell_word(const std::string& word) {
+  const auto is_plain = [](char c) {
+    return std::isalnum(static_cast<unsigned char>(c)) != 0 ||
+           std::string_view("_@%+=:,./-").find(c) != std::string_view::npos;
+  };
+  if (!word.empty() && std::all_of(word.begin(), word.end(), is_plain)) return word;
+  std::string text = "'";
+  for (char c : word) text += c == '\'' ? "'\\''" : std::string(1, c);
+  return text + "'";
+}
+
 std::string run_summary(const RunRecord& r, const std::string& to_see) {
   std::vector<std::pair<std::string, std::string>> lines{
       {"scene", scene_text(r)},
@@ -183,9 +182,9 @@ std::string run_summary(const RunRecord& r, const std::string& to_see) {
 std::string how_to_see(const RunOptions& options) {
   if (!options.exports.html.empty()) return "open " + shell_word(options.exports.html) + " in a browser";
   if (!options.record_file.empty())
-    return "taut replay " + shell_word(options.record_file) + " --html " +
+    return shell_word(options.program) + " replay " + shell_word(options.record_file) + " --html " +
            shell_word(page_beside(options.record_file));
-  std::string command = "taut run";
+  std::string command = shell_word(options.program) + " run";
   for (const std::string& word : without_outputs(options)) command += " " + shell_word(word);
   return command + " --html " + shell_word(page_beside(options.scene));
 }

@@ -17,4 +17,7 @@ std::string run_summary(const RunRecord& record, const std::string& to_see);
 /// recording, or the page that it has made.
 std::string how_to_see(const RunOptions& options);
 
+/// As a word of a shell.
+std::string shell_word(const std::string& word);
+
 }  // namespace taut

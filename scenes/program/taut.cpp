@@ -266,11 +266,13 @@ void add_others(CLI::App& app, Arguments& arguments) {
   add_bench(app, arguments.bench);
 }
 
-/// `words` is what was typed after the name of the command.
-int dispatch(const CLI::App& app, Arguments& arguments, const std::vector<std::string>& words) {
+/// `program` is how it was called, and `words` what was typed after the name of the command.
+int dispatch(const CLI::App& app, Arguments& arguments, const std::string& program,
+             const std::vector<std::string>& words) {
   if (app.got_subcommand("run")) {
     for (const std::string& assignment : arguments.run_assignments)
       taut::add_parameter(arguments.run.parameters, assignment);
+    arguments.run.program = program;
     arguments.run.words = words;
     return taut::run_command(arguments.run);
   }
@@ -289,6 +291,7 @@ int dispatch(const CLI::App& app, Arguments& arguments, const std::vector<std::s
     return taut::export_command(arguments.export_scene, parameters(arguments.export_assignments),
                                 arguments.exported);
   if (app.got_subcommand("import")) return taut::import_command(arguments.model, arguments.imported);
+  arguments.fresh.program = program;
   if (app.got_subcommand("new")) return taut::new_command(arguments.fresh);
   if (app.got_subcommand("schema")) return taut::schema_command();
   if (app.got_subcommand("list")) {
@@ -353,7 +356,7 @@ int run_program(int argc, char** argv) {
     return app.exit(error) == 0 ? taut::kExitSuccess : taut::kExitUsage;
   }
   try {
-    return dispatch(app, arguments, {argv + 2, argv + argc});
+    return dispatch(app, arguments, argv[0], {argv + 2, argv + argc});
   } catch (const std::invalid_argument& error) {
     std::cerr << "taut: " << error.what() << '\n';
     return taut::kExitUsage;

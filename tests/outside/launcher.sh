@@ -1,7 +1,7 @@
 #!/bin/sh
 # Whether the launcher runs what its own folder has, also where that was moved or copied with its build, or fails and says so:
 #   launcher.sh LAUNCHER
-# The sources are a program of three lines, which prints a word and its arguments.
+# The sources are a program of three lines, which prints a word, its last argument, and how it was called.
 set -eu
 launcher=$(cd "$(dirname "$1")" && pwd -P)/$(basename "$1")
 work=$(mktemp -d)
@@ -29,13 +29,13 @@ END
 # A clock may be coarse: what is written later is made to look so.
 seconds=0
 say() { # FOLDER WORD  The program of this folder prints the word from now on.
-  printf '#include <stdio.h>\nint main(int n, char** words) { return printf("%s %%s\\n", words[n - 1]) < 0; }\n' "$2" >"$1/main.c"
+  printf '#include <stdio.h>\nint main(int n, char** words) { return printf("%s %%s %%s\\n", words[n - 1], words[0]) < 0; }\n' "$2" >"$1/main.c"
   seconds=$((seconds + 1))
   touch -d "+$seconds seconds" "$1/main.c"
 }
 expect() { # FOLDER TEXT
   said=$("$1/taut" list 2>"$work/errors") || { cat "$work/errors" && exit 1; }
-  [ "$said" = "$2 list" ] || { echo "$1: '$said' in place of '$2 list'" && exit 1; }
+  [ "$said" = "$2 list $1/taut" ] || { echo "$1: '$said' in place of '$2 list $1/taut'" && exit 1; }
 }
 
 say first one
@@ -59,7 +59,7 @@ TAUT_BUILD_DIR=$work/elsewhere_else expect third five
 # A link to the launcher, as in ~/bin, is the launcher.
 ln -s "$work/third/taut" linked
 said=$(./linked list 2>/dev/null)
-[ "$said" = "five list" ]
+[ "$said" = "five list ./linked" ]
 
 # What cannot be built is not run as it was.
 echo 'int main(' >third/main.c

@@ -52,6 +52,11 @@ TEST(SceneSynonyms, OfTypes) {
                                                         {"plane", "half_space"},
                                                         {"mesh", "triangle_mesh"},
                                                         {"heightmap", "height_field"},
+                                                        {"pill", "capsule"},
+                                                        {"SpheroCylinder", "capsule"},
+                                                        {"spheroid", "ellipsoid"},
+                                                        {"dem", "height_field"},
+                                                        {"polytope", "convex_hull"},
                                                         {"convex", "convex_hull"},
                                                         {"disk", "cylinder"}})
     expect_hint(R"("ground": {"shapes": [{"type": ")" + given + "\"}]}", given, here);

@@ -104,7 +104,8 @@ TEST(ImportCorpus, EachModelLoadsOrIsRefusedWithFileAndLine) {
       (void)parse_scene(model.document.dump(), name);
       ++loaded;
     } catch (const ImportError& error) {
-      EXPECT_TRUE(std::regex_match(error.what(), place)) << error.what();
+      for (const ImportNotice& problem : error.problems())
+        EXPECT_TRUE(std::regex_match(problem.text(), place)) << error.what();
     } catch (const std::exception& error) {
       ADD_FAILURE() << name << ": " << error.what();
     }

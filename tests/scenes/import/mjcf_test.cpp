@@ -190,6 +190,50 @@ TEST(ImportMjcf, FrictionIsTheLargerOfBoth) {
   EXPECT_EQ(between["rolling_friction"], 0.001);
 }
 
+/// That of the geom with priority, were it the smaller one.
+TEST(ImportMjcf, FrictionIsThatOfPriority) {
+  const ImportedModel model = world(
+      "<geom type='plane' size='1 1 1' friction='.2' priority='1'/>"
+      "<body><freejoint/><geom size='.1' friction='.7 .01 .001' condim='6'/></body>");
+  const auto& between = model.document["material_pairs"][0]["material"];
+  EXPECT_EQ(between["dynamic_friction"], 0.2);
+  EXPECT_FALSE(between.contains("rolling_friction"));
+  EXPECT_FALSE(notes(model, "priority"));
+}
+
+/// What acts on c q acts on q: c times the force, c² times stiffness and damping.
+TEST(ImportMjcf, ATendonOfOneJointActsOnIt) {
+  const auto axis_of = [](const std::string& joint, const std::string& tendon) {
+    const ImportedModel model = imported(
+        "<compiler angle='radian'/><worldbody><body><joint name='j' axis='0 1 0' " + joint + "/>" + kBall +
+        "</body></worldbody><tendon>\n<fixed " + tendon + "<joint joint='j' coef='-2'/></fixed></tendon>");
+    (void)scene_of(model);
+    const auto& json = model.document["joints"][0];
+    return json.contains("axes") ? json["axes"]["angle"] : nlohmann::ordered_json::object();
+  };
+  auto axis = axis_of("range='-1 3'", "range='-4 1'>");
+  EXPECT_EQ(axis["limits"]["lower"], -0.5);
+  EXPECT_EQ(axis["limits"]["upper"], 2);
+  axis = axis_of("", "limited='false' range='-4 1'>");
+  EXPECT_FALSE(axis.contains("limits"));
+  axis = axis_of("stiffness='4' springref='1' damping='1' frictionloss='3'",
+                 "stiffness='3' springlength='.8' damping='2' frictionloss='5'>");
+  EXPECT_EQ(axis["spring"]["stiffness"], 16);
+  EXPECT_NEAR(axis["spring"]["rest"].get<double>(), (4 * 1 + 12 * -0.4) / 16, 1e-15);
+  EXPECT_EQ(axis["spring"]["damping"], 9);
+  EXPECT_EQ(axis["friction"]["static"], 13);
+  expect_refused(
+      "<compiler angle='radian'/><worldbody><body><joint name='j' range='0 1'/>" + kBall +
+          "</body></worldbody><tendon><fixed range='2 3'><joint joint='j' coef='1'/></fixed></tendon>",
+      "\"range\" and that of the joint exclude each other");
+  const ImportedModel two =
+      imported("<worldbody><body><joint name='j'/>" + kBall + "</body><body><joint name='k'/>" + kBall +
+               "</body></worldbody><tendon>\n<fixed range='0 1'><joint joint='j' coef='1'/><joint joint='k' "
+               "coef='1'/></fixed>"
+               "</tendon>");
+  EXPECT_TRUE(notes(two, "m.xml:3: <fixed> of several joints: range, stiffness"));
+}
+
 TEST(ImportMjcf, ConnectWeldAndJointEqualities) {
   const ImportedModel model = imported(
       "<worldbody><body name='a'><joint name='i' axis='0 1 0'/><geom size='.1' pos='0 0 -1'/></body>"
@@ -435,6 +479,50 @@ TEST(ImportMjcf, AWireOfConstantLengthIsABar) {
   EXPECT_NEAR(scene.world.pose(BodyId{1}).p.z(), 0, 1e-9);
   EXPECT_TRUE(notes(with(two, ""), "neither limits nor pulls"));
   EXPECT_TRUE(notes(with(two + "<site site='a'/>", equality), "over several sites"));
+}
+
+/// A tackle: 2 kg on one side balance 4 kg on the other, which counts twice; 5 kg there fall by half of what
+/// the other side rises: (5 − 4) g = (5 + 2² 2) times their acceleration.
+TEST(ImportMjcf, AWireOverAPulley) {
+  const auto with = [](const std::string& branches, const std::string& equality, double mass) {
+    const auto weight = [](const char* name, const char* at, double m) {
+      return std::string("<body name='") + name + "' pos='" + at +
+             "'><joint type='slide' axis='0 0 1'/><site name='" + name + "'/><geom size='.1' mass='" +
+             std::to_string(m) + "' contype='0'/></body>";
+    };
+    return imported(
+        "<option gravity='0 0 -10'/><worldbody><site name='c1' pos='0 0 2'/><site name='c2' pos='1 0 2'/>" +
+        weight("a", "0 0 0", 2) + weight("b", "1 0 1", mass) + "</worldbody><tendon>\n<spatial name='w'>" +
+        branches + "</spatial></tendon>" + equality);
+  };
+  const std::string
+      wire = "<site site='a'/><site site='c1'/><pulley divisor='0.5'/><site site='c2'/><site site='b'/>",
+      other_way =
+          "<pulley divisor='2'/><site site='c1'/><site site='a'/><pulley divisor='1'/>"
+          "<site site='b'/><site site='c2'/>",
+      equality = "<equality><tendon tendon1='w'/></equality>";
+  for (const std::string& branches : {wire, other_way}) {
+    const ImportedModel model = with(branches, equality, 4);
+    ASSERT_EQ(model.document["joints"].size(), 3U);
+    EXPECT_EQ(model.document["joints"][2]["type"], "pulley");
+    EXPECT_EQ(model.document["joints"][2]["ratio"], 2);
+    EXPECT_EQ(model.document["joints"][2]["length"], 4);
+    for (const double mass : {4.0, 5.0}) {
+      Scene scene = scene_of(with(branches, equality, mass));
+      Simulator simulator(scene.world, scene.settings);
+      for (int i = 0; i < 50; ++i) ASSERT_TRUE(simulator.step(1e-2).exact());
+      const double a = (mass - 4) * 10 / (mass + 8), fall = 0.5 * a * 0.25;
+      EXPECT_NEAR(scene.world.pose(scene.world.body("b")).p.z(), 1 - fall, 1e-9);
+      EXPECT_NEAR(scene.world.pose(scene.world.body("a")).p.z(), 2 * fall, 1e-9);
+    }
+  }
+  EXPECT_TRUE(notes(with(wire, "", 4), "m.xml:3: a tendon that neither limits nor pulls"));
+  EXPECT_TRUE(notes(with(wire + "<pulley divisor='2'/><site site='a'/><site site='c1'/>", equality, 4),
+                    "m.xml:3: a tendon with <pulley> that is not two branches of two sites each"));
+  EXPECT_TRUE(
+      notes(with("<site site='a'/><site site='c1'/><pulley/><site site='a'/><site site='c2'/>", equality, 4),
+            "m.xml:3: a tendon with <pulley> whose branches do not meet at one body"));
+  expect_refused("<tendon><spatial><pulley divisor='0'/></spatial></tendon>", "\"divisor\" must be positive");
 }
 
 /// Rates of all kinds of joints, of a body between two of them, and of an armature.

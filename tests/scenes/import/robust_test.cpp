@@ -112,12 +112,12 @@ TEST(ImportProgram, WritesASceneThatRuns) {
       testing::run_program({"import", model, "-o", testing::temporary("scene.json")});
   EXPECT_EQ(written.exit_status, 0) << written.err;
   EXPECT_NE(written.err.find(model + ":"), std::string::npos);
-  EXPECT_NE(written.err.find("<transmission>: has no counterpart"), std::string::npos) << written.err;
+  EXPECT_NE(written.err.find("<transmission>: of controllers, left out"), std::string::npos) << written.err;
   EXPECT_EQ(testing::run_program({"run", testing::temporary("scene.json"), "--steps", "2"}).exit_status, 0);
   EXPECT_EQ(testing::run_program({"run", model, "--steps", "2"}).exit_status, 0);
   EXPECT_EQ(testing::run_program({"run", model, "--steps", "2", "--csv", model}).exit_status, 2);
   const testing::Outcome checked = testing::run_program({"check", model});
-  EXPECT_NE(checked.out.find("<transmission>: has no counterpart"), std::string::npos) << checked.out;
+  EXPECT_NE(checked.out.find("<transmission>: of controllers, left out"), std::string::npos) << checked.out;
   EXPECT_EQ(testing::run_program({"import", "none.urdf"}).exit_status, 2);
   std::ofstream(testing::temporary("one.xml"))
       << "<mujoco><option timestep='.01' noslip_iterations='1'/><worldbody><body><joint/><geom "

@@ -77,7 +77,7 @@ TEST(ImportUrdf, LimitsFrictionAndDampingAreThoseOfTheAxis) {
   EXPECT_EQ(axis["limits"]["upper"], 1);
   EXPECT_EQ(axis["spring"]["damping"], 0.25);
   EXPECT_EQ(axis["friction"]["static"], 0.125);
-  EXPECT_TRUE(notes(model, "r.urdf:4: <limit> \"effort\": has no counterpart"));
+  EXPECT_TRUE(notes(model, "r.urdf:4: <limit>: \"effort\" and \"velocity\" bound a motor"));
 }
 
 TEST(ImportUrdf, MimicIsAGearThatStartsAtItsOffset) {
@@ -115,6 +115,36 @@ TEST(ImportUrdf, SensorsOfGazeboAreProbes) {
   (void)scene_of(robot + "<gazebo reference='a'><sensor name='s' type='imu'/></gazebo>");
   expect_refused(robot + "<gazebo reference='b'><sensor name='s' type='imu'/></gazebo>",
                  "there is no link or joint of this name (value: b)");
+}
+
+TEST(ImportUrdf, FrictionOfGazebo) {
+  const std::string shape = "<collision><geometry><sphere radius='.1'/></geometry></collision>";
+  const std::string robot = link("world", shape) + link("a", kBar + shape) +
+                            joint("j", "continuous", "world", "a", "<axis xyz='0 1 0'/>");
+  const ImportedModel model =
+      imported(robot +
+               "<gazebo reference='a'><mu1>0.9</mu1><mu2>0.9</mu2><kp>1</kp></gazebo>"
+               "<gazebo reference='world'><mu1 value='0.6'/><mu2 value='0.7'/></gazebo>"
+               "<gazebo reference='nowhere'><mu1>1</mu1></gazebo>");
+  const auto friction_of = [&](const nlohmann::ordered_json& shapes) {
+    return model
+        .document["materials"][shapes["shapes"][0]["material"].get<std::string>()]["dynamic_friction"];
+  };
+  EXPECT_EQ(friction_of(model.document["bodies"][0]), 0.9);
+  EXPECT_EQ(friction_of(model.document["ground"]), 0.6);
+  EXPECT_TRUE(notes(model, "<kp>: has no counterpart"));
+  EXPECT_TRUE(notes(model, "friction that differs by direction: \"mu1\" is taken"));
+  EXPECT_TRUE(notes(model, "friction of no link that is there"));
+  expect_refused(robot + "<gazebo reference='a'><mu1>-1</mu1></gazebo>", "must not be negative");
+}
+
+TEST(ImportUrdf, WhatAMotorWouldKeepToIsSaid) {
+  const ImportedModel model =
+      imported(link("world", "") + link("a") +
+               joint("j", "continuous", "world", "a",
+                     "<axis xyz='0 1 0'/><limit lower='0' upper='1' effort='9' velocity='2'/>"));
+  EXPECT_TRUE(notes(model, "bound a motor, and a URDF has none"));
+  EXPECT_TRUE(notes(model, "<limit> of a continuous joint: \"lower\" and \"upper\" do not count"));
 }
 
 TEST(ImportUrdf, ALinkWithoutMassIsAPartOfWhatItIsFixedTo) {
@@ -161,9 +191,41 @@ TEST(ImportUrdf, ALoopJointClosesALoop) {
   Scene scene = scene_of(link("world", "") + link("a") + link("b") +
                          joint("j", "continuous", "world", "a", "<axis xyz='0 1 0'/>") +
                          joint("k", "continuous", "world", "b", "<axis xyz='0 1 0'/>") +
-                         "<loop_joint name='loop' type='continuous'><link1 link='a' " + at +
-                         "<link2 link='b' " + at + "</loop_joint>");
+                         "<loop_joint name='loop' type='ball'><link1 link='a' " + at + "<link2 link='b' " +
+                         at + "</loop_joint>");
   EXPECT_EQ(scene.world.joint(scene.world.joint("loop")).type(), "ball");
+}
+
+/// Two bars that turn about the ground and are joined at their ends, in a frame that each of them has turned
+/// otherwise: about the axis that both have in common.
+TEST(ImportUrdf, ALoopJointIsWhatItsTypeSays) {
+  const auto imported_as = [&](const std::string& type,
+                               const std::string& of_b = "rpy='-1.5707963267948966 0 0'") {
+    return imported(link("world", "") + link("a") + link("b") +
+                    joint("j", "continuous", "world", "a", "<axis xyz='0 1 0'/>") +
+                    joint("k", "continuous", "world", "b", "<axis xyz='0 1 0'/>") +
+                    "<loop_joint name='loop' " + type +
+                    "><axis xyz='0 0 2'/><link1 link='a' xyz='0 0 -1' rpy='-1.5707963267948966 0 0'/>"
+                    "<link2 link='b' xyz='0 0 -1' " +
+                    of_b + "/></loop_joint>");
+  };
+  const auto parsed = [](const ImportedModel& model) { return parse_scene(model.document.dump(), "r.urdf"); };
+  for (const char* type : {"type='revolute'", "type='continuous'"}) {
+    const Scene scene = parsed(imported_as(type));
+    const JointId loop = scene.world.joint("loop");
+    EXPECT_EQ(scene.world.joint(loop).type(), "hinge");
+    EXPECT_FALSE(scene.assemble);
+  }
+  EXPECT_EQ(parsed(imported_as("type='fixed'")).world.joint(JointId{2}).type(), "fixed");
+  EXPECT_EQ(parsed(imported_as("")).world.joint(JointId{2}).type(), "ball");
+  // Both have its z along y: the other way round the axes are opposite, and nothing can close them.
+  EXPECT_TRUE(imported_as("type='revolute'", "rpy='0 0 0'").document["assemble"].get<bool>());
+  const auto joint = imported_as("type='revolute'").document["joints"][2];
+  EXPECT_NEAR(joint["axis_a"][1].get<double>(), 1, 1e-12);
+  EXPECT_NEAR(joint["axis_b"][1].get<double>(), 1, 1e-12);
+  testing::expect_refused(
+      [&] { return imported_as("type='slider'"); },
+      "<loop_joint> is none of revolute, continuous, ball, spherical and fixed (value: slider)");
 }
 
 TEST(ImportUrdf, WhatIsWrongIsNamedWithFileAndLine) {
@@ -171,7 +233,8 @@ TEST(ImportUrdf, WhatIsWrongIsNamedWithFileAndLine) {
   expect_refused(link("a") + link("a"), "r.urdf:3: there is another link of this name (value: a)");
   expect_refused(link("a") + link("b"), "neither \"a\" nor \"b\" has a parent");
   expect_refused(link("a") + joint("j", "fixed", "a", "b"), "names a link that is not there (value: b)");
-  expect_refused(link("a") + link("b") + joint("j", "hinge", "a", "b"), "has an unknown type (value: hinge)");
+  expect_refused(link("a") + link("b") + joint("j", "hinge", "a", "b"),
+                 "has an unknown type; did you mean \"revolute\"? (value: hinge)");
   expect_refused(link("a") + link("b") + joint("j", "revolute", "a", "b", "<axis xyz='0 0 0'/>"),
                  "must be a direction");
   expect_refused(link("a") + link("b") + joint("j", "revolute", "a", "b", "<axis xyz='0 0 1e999'/>"),

@@ -24,9 +24,15 @@ struct OutputFiles {
   std::vector<std::string> options;
   std::vector<std::string> files;
   explicit OutputFiles(bool are_there) {
-    for (const char* option : {"report", "csv", "poses", "record", "html", "gltf", "plot"}) {
-      files.push_back(temporary(std::string("kept.") + option));
-      options.insert(options.end(), {std::string("--") + option, files.back()});
+    for (const auto& [option, ending] : std::vector<std::pair<std::string, std::string>>{{"report", ".json"},
+                                                                                         {"csv", ".csv"},
+                                                                                         {"poses", ".csv"},
+                                                                                         {"record", ".taut"},
+                                                                                         {"html", ".html"},
+                                                                                         {"gltf", ".glb"},
+                                                                                         {"plot", ".svg"}}) {
+      files.push_back(temporary("kept_" + option + ending));
+      options.insert(options.end(), {"--" + option, files.back()});
       std::filesystem::remove(files.back());
       if (are_there) write_text(files.back(), "mine");
     }

@@ -69,7 +69,7 @@ def test_an_arm_from_a_urdf():
     meant = next(notice for notice in notices if notice.message.startswith("<transmission>"))
     assert pathlib.Path(meant.file) == KINOVA and meant.line == 132 and meant.count == 9
     assert "<transmission" in KINOVA.read_text().splitlines()[meant.line - 1]
-    assert str(meant) == f"{KINOVA}:132: <transmission>: has no counterpart (and 8 more)"
+    assert str(meant) == f"{KINOVA}:132: <transmission>: of controllers, left out (and 8 more)"
     assert str(meant) in repr(meant)
 
 

@@ -103,7 +103,7 @@ def play(page, folder, program=None):
         elif kind == "sh":
             commands = [line.split() for line in text.splitlines()]
             assert all(words[0] == "taut" for words in commands), where
-            runs = [subprocess.run([program, *words[1:]], cwd=folder, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+            runs = [subprocess.run(words, executable=program, cwd=folder, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
                     for words in commands]
             assert all(run.returncode == 0 for run in runs), f"{where}: " + "".join(run.stdout for run in runs)
             printed = "".join(run.stdout for run in runs)
