@@ -39,17 +39,14 @@ Array tree_accelerations(World& world, bool lagrangian) {
       fail("joint", "must have nothing that acts along its axes in a tree", world.name(JointId{j}));
     if (world.compliance(JointId{j})) fail("joint", "must not be soft in a tree", world.name(JointId{j}));
   }
-  const Rows rows(world, Rows::AxisRows::kLeftOut);
-  const MassMatrix mass(world);
-  TreeDynamics tree(world, rows, mass);
+  TreeDynamics tree(world);
   tree.linearize(world.state());
   std::vector<Wrench> forces(world.body_count());
   std::vector<Twist> accelerations(world.body_count());
-  std::vector<double> multipliers(rows.row_count(), 0.0);
   world.forces(world.state(), forces);
   tree.accelerate(world.state(), forces,
                   lagrangian ? TreeDynamics::Method::kLagrangian : TreeDynamics::Method::kRecursive,
-                  accelerations, multipliers);
+                  accelerations);
   return twist_array(accelerations);
 }
 

@@ -54,8 +54,8 @@ ReducedCoordinates::ReducedCoordinates(const World& world, ConstraintSystem& sys
       system_(system),
       settings_(settings),
       tree_(world, system.rows(), system.mass()),
-      method_(is_lagrangian(settings.integrator) ? TreeDynamics::Method::kLagrangian
-                                                 : TreeDynamics::Method::kRecursive),
+      method_(is_lagrangian(settings.integrator) ? ArticulatedTree::Method::kLagrangian
+                                                 : ArticulatedTree::Method::kRecursive),
       flow_(world, system.rows()),
       runge_kutta_(world.body_count()),
       follows_time_(system.rows().depends_on_time()) {

@@ -7,7 +7,7 @@
 #include "solvers/common/settings.h"
 #include "solvers/common/step_report.h"
 #include "solvers/integrators/axis_flow.h"
-#include "solvers/integrators/reduced/tree_dynamics.h"
+#include "solvers/integrators/reduced/articulated_tree.h"
 #include "solvers/integrators/runge_kutta.h"
 #include "solvers/integrators/scheme.h"
 #include "solvers/system/constraint_system.h"
@@ -16,7 +16,7 @@
 namespace taut {
 
 /// Worlds whose joints form trees, in reduced coordinates: accelerations by recursion or by Lagrange's
-/// equations (TreeDynamics), integrated by the classical Runge–Kutta method or the implicit midpoint rule.
+/// equations (ArticulatedTree), integrated by the classical Runge–Kutta method or the implicit midpoint rule.
 /// The state is that of the bodies; each step ends with all joints closed from the roots to the leaves, which
 /// moves bodies by no more than the error of the step.  (solvers/integrators, "Reduced coordinates")
 class ReducedCoordinates final : public Scheme {
@@ -69,8 +69,8 @@ class ReducedCoordinates final : public Scheme {
   const World& world_;
   ConstraintSystem& system_;
   const Settings& settings_;
-  TreeDynamics tree_;
-  TreeDynamics::Method method_;
+  ArticulatedTree tree_;
+  ArticulatedTree::Method method_;
   AxisFlow flow_;
   RungeKutta runge_kutta_;
   State state_, next_, middle_, back_;

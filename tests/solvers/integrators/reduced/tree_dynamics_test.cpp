@@ -60,27 +60,26 @@ World random_tree(unsigned seed, int bodies) {
   return world;
 }
 
-/// With rows and masses of its own.
 struct Tree {
-  explicit Tree(const World& its) : world(its), rows(its, Rows::AxisRows::kLeftOut), mass(its) {
-    dynamics.linearize(world.state());
-  }
+  explicit Tree(const World& its) : world(its) { dynamics.linearize(world.state()); }
   int freedoms() const { return dynamics.freedoms(); }
   std::vector<Twist> recursive() { return accelerations(TreeDynamics::Method::kRecursive); }
   std::vector<Twist> lagrangian() { return accelerations(TreeDynamics::Method::kLagrangian); }
   std::vector<Twist> accelerations(TreeDynamics::Method method) {
     std::vector<Wrench> forces(world.body_count());
     std::vector<Twist> result(world.body_count());
-    lambda.assign(rows.row_count(), 0);
     world.forces(world.state(), forces);
-    dynamics.accelerate(world.state(), forces, method, result, lambda);
+    dynamics.accelerate(world.state(), forces, method, result);
+    lambda.clear();
+    for (int j = 0; j < world.joint_count(); ++j) {
+      const auto its = dynamics.multipliers(JointId{j});
+      lambda.insert(lambda.end(), its.begin(), its.end());
+    }
     return result;
   }
 
   const World& world;
-  Rows rows;
-  MassMatrix mass;
-  TreeDynamics dynamics{world, rows, mass};
+  TreeDynamics dynamics{world};
   std::vector<double> lambda;
 };
 
@@ -144,6 +143,7 @@ TEST(TreeDynamics, RecursionLagrangeAndMultipliersAgree) {
     for (const auto method : {TreeDynamics::Method::kRecursive, TreeDynamics::Method::kLagrangian}) {
       // Round-off times the condition of random lever arms.
       expect_equal(tree.accelerations(method), reference, 1e-9);
+      ASSERT_EQ(tree.lambda.size(), lambda.size());
       for (std::size_t r = 0; r < lambda.size(); ++r)
         EXPECT_NEAR(tree.lambda[r], lambda[r], 1e-9 * largest) << "row " << r;
     }
@@ -208,6 +208,14 @@ TEST(TreeDynamics, RefusesWhatIsNoTree) {
   EXPECT_THROW(Tree{world}, std::invalid_argument);
   world.detach(loop);
   EXPECT_NO_THROW(Tree{world});
+}
+
+TEST(TreeDynamics, MultipliersOfWhatIsNoJoint) {
+  const World world = random_tree(1, 3);
+  const Tree tree(world);
+  EXPECT_NO_THROW((void)tree.dynamics.multipliers(JointId{1}));
+  EXPECT_THROW((void)tree.dynamics.multipliers(JointId{2}), std::invalid_argument);
+  EXPECT_THROW((void)tree.dynamics.multipliers(JointId{}), std::invalid_argument);
 }
 
 /// Two hinges of one door are one joint, of which five rows say nothing new.
