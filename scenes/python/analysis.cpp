@@ -126,9 +126,8 @@ void bind_friction(nb::module_& m) {
 void bind_analysis(nb::module_& m) {
   bind_contact_finder(m);
   m.def("tree_accelerations", &tree_accelerations, nb::arg("world"), nb::arg("lagrangian") = false,
-        "V̇ of all bodies of a world whose joints form trees, n×6 (angular, then linear), in reduced "
-        "coordinates: by recursion, or "
-        "by Lagrange's equations.  A reference, with no S and no λ in it.");
+        "V̇ of all bodies, n×6 (angular, then linear), in reduced coordinates: by recursion, or by Lagrange's "
+        "equations; joints that close loops by multipliers.  A reference, with no S in it.");
   bind_friction(m);
 }
 

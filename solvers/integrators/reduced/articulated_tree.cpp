@@ -42,11 +42,17 @@ struct ArticulatedTree::Motion {
   Eigen::Matrix<double, 6, Eigen::Dynamic> inverse;  // J_b⁺
 };
 
-/// Inertia I and bias of the articulated body, and L⁻¹ Nᵀ with L Lᵀ = Nᵀ I N.
+/// Inertia I and bias of the articulated body, and L⁻¹ Nᵀ with L Lᵀ = Nᵀ I N, alone and times I.
 struct ArticulatedTree::Articulated {
   Matrix6 inertia;
-  Rows6 root;
+  Rows6 root, passed;
   Vector6 bias, c;
+};
+
+/// a = G u̇ + a₀, H = Gᵀ M G.
+struct ArticulatedTree::Lagrange {
+  Eigen::MatrixXd G, MG;
+  Eigen::LLT<Eigen::MatrixXd> H;
 };
 
 ArticulatedTree::~ArticulatedTree() = default;
@@ -54,7 +60,7 @@ ArticulatedTree::~ArticulatedTree() = default;
 ArticulatedTree::ArticulatedTree(const World& world, const Rows& rows, const MassMatrix& mass)
     : rows_(rows), mass_(mass), follows_time_(rows.depends_on_time()) {
   const JointTree tree(world, rows);
-  if (!tree.problem.empty()) throw std::invalid_argument(tree.problem);
+  cuts_ = tree.cuts;
   branch_of_.assign(rows.body_count(), -1);
   first_block_.push_back(0);
   for (const JointTree::Branch& its : tree.branches) {
@@ -79,7 +85,8 @@ ArticulatedTree::ArticulatedTree(const World& world, const Rows& rows, const Mas
     motions_[k].inverse.setZero(6, branches_[k].count);
   }
   articulated_.resize(branches_.size());
-  a_.assign(rows.body_count(), Vector6::Zero());
+  inertias_.resize(branches_.size());
+  for (auto* of_bodies : {&a_, &carried_}) of_bodies->assign(rows.body_count(), Vector6::Zero());
   jacobian_.assign(rows.jacobian_size(), 0);
   for (auto* values : {&gamma_, &phi_, &rates_}) values->assign(rows.row_count(), 0);
 }
@@ -89,7 +96,7 @@ ArticulatedTree::ArticulatedTree(const World& world, const Rows& rows, const Mas
 void ArticulatedTree::decompose(const Branch& branch, Motion& motion, bool with_null_space) {
   if (!branch.attached()) return;
   const auto m = static_cast<Eigen::Index>(branch.count);
-  const HeldRow* rows = held_.data() + branch.first;
+  const TreeRow* rows = held_.data() + branch.first;
   const auto side_row = [&](int side, int i) { return Rows::block_row(rows_.sides()[side], jacobian_, i); };
   bool full = m <= 6;
   if (full) {
@@ -171,50 +178,77 @@ void ArticulatedTree::accelerate(const State& state, std::span<const Wrench> for
 
 void ArticulatedTree::recursive(std::span<Twist> accelerations, std::span<double> lambda) {
   for (std::size_t k = branches_.size(); k-- > 0;) {
-    const Branch& branch = branches_[k];
-    const Motion& motion = motions_[k];
-    auto& [I, root, bias, c] = articulated_[k];
-    const SixColumns& N = motion.N;
-    root = N.transpose();
-    const OwnMatrix own = N.transpose() * (I * N);
-    if (N.cols() > 0) own.llt().matrixL().solveInPlace(root);
-    const int parent = branch.attached() ? branch_of_[branch.parent] : -1;
-    if (parent < 0) continue;
-    // What the parent feels of it, whatever its own speeds do.  By roots: where N (Nᵀ I N)⁻¹ Nᵀ is multiplied
-    // out, round-off of the largest inertia over the least, as of a rod about its axis, grows along a chain.
-    const Rows6 passed = root * I;
-    const Matrix6 felt = I - passed.transpose() * passed;
-    const Vector6 p = bias + I * c;
-    Articulated& carrier = articulated_[parent];
-    carrier.inertia += motion.X.transpose() * (felt * motion.X);
-    carrier.bias += motion.X.transpose() * (p - passed.transpose() * (root * p));
+    factorize(k);
+    carry_to_parent(k);
   }
   for (std::size_t k = 0; k < branches_.size(); ++k) {
     const Branch& branch = branches_[k];
-    const auto& [I, root, bias, c] = articulated_[k];
-    const Vector6 carried = branch.attached() ? Vector6(motions_[k].X * a_[branch.parent] + c) : c;
-    const Vector6 a = carried - root.transpose() * (root * (bias + I * carried));
-    a_[branch.body] = a;
+    const Articulated& its = articulated_[k];
+    const Vector6& a = carry_on(k);
     accelerations[branch.body] = twist_of(a);
-    if (branch.attached()) give_multipliers(branch, motions_[k], I * a + bias, lambda);
+    if (branch.attached()) give_multipliers(branch, motions_[k], its.inertia * a + its.bias, lambda);
   }
 }
 
-void ArticulatedTree::lagrangian(std::span<Twist> accelerations, std::span<double> lambda) {
-  const auto bodies = static_cast<Eigen::Index>(rows_.body_count());
+/// What the parent feels of a body, whatever its own speeds do.  By roots: where N (Nᵀ I N)⁻¹ Nᵀ is
+/// multiplied out, round-off of the largest inertia over the least, as of a rod about its axis, grows along a
+/// chain.
+void ArticulatedTree::factorize(std::size_t k) {
+  const Branch& branch = branches_[k];
+  const Motion& motion = motions_[k];
+  auto& [I, root, passed, bias, c] = articulated_[k];
+  const SixColumns& N = motion.N;
+  root = N.transpose();
+  const OwnMatrix own = N.transpose() * (I * N);
+  if (N.cols() > 0) own.llt().matrixL().solveInPlace(root);
+  const int parent = branch.attached() ? branch_of_[branch.parent] : -1;
+  if (parent < 0) return;
+  passed = root * I;
+  const Matrix6 felt = I - passed.transpose() * passed;
+  articulated_[parent].inertia += motion.X.transpose() * (felt * motion.X);
+}
+
+void ArticulatedTree::carry_to_parent(std::size_t k) {
+  const Branch& branch = branches_[k];
+  const int parent = branch.attached() ? branch_of_[branch.parent] : -1;
+  if (parent < 0) return;
+  const auto& [I, root, passed, bias, c] = articulated_[k];
+  const Vector6 p = bias + I * c;
+  articulated_[parent].bias += motions_[k].X.transpose() * (p - passed.transpose() * (root * p));
+}
+
+/// From its parent to a body, whose a it returns.
+const ArticulatedTree::Vector6& ArticulatedTree::carry_on(std::size_t k) {
+  const Branch& branch = branches_[k];
+  const auto& [I, root, passed, bias, c] = articulated_[k];
+  const Vector6 carried = branch.attached() ? Vector6(motions_[k].X * a_[branch.parent] + c) : c;
+  return a_[branch.body] = carried - root.transpose() * (root * (bias + I * carried));
+}
+
+/// G with a = G u̇ + a₀.
+Eigen::MatrixXd ArticulatedTree::speeds_to_bodies() const {
+  const Eigen::Index bodies = rows_.body_count();
   Eigen::MatrixXd G = Eigen::MatrixXd::Zero(6 * bodies, freedoms());
-  Eigen::VectorXd a0 = Eigen::VectorXd::Zero(6 * bodies);
   Eigen::Index first = 0;
   for (std::size_t k = 0; k < branches_.size(); ++k) {
     const Branch& branch = branches_[k];
     const Motion& motion = motions_[k];
-    const Eigen::Index row = 6 * branch.body, parent = 6 * branch.parent;
-    if (branch.attached()) {
-      G.middleRows<6>(row) = motion.X * G.middleRows<6>(parent);
-      a0.segment<6>(row) = motion.X * a0.segment<6>(parent) + articulated_[k].c;
-    }
+    const Eigen::Index row = 6 * branch.body;
+    if (branch.attached()) G.middleRows<6>(row) = motion.X * G.middleRows<6>(6 * branch.parent);
     G.block(row, first, 6, motion.N.cols()) += motion.N;
     first += motion.N.cols();
+  }
+  return G;
+}
+
+void ArticulatedTree::lagrangian(std::span<Twist> accelerations, std::span<double> lambda) {
+  const Eigen::MatrixXd G = speeds_to_bodies();
+  const Eigen::Index bodies = rows_.body_count();
+  Eigen::VectorXd a0 = Eigen::VectorXd::Zero(6 * bodies);
+  for (std::size_t k = 0; k < branches_.size(); ++k) {
+    const Branch& branch = branches_[k];
+    if (branch.attached())
+      a0.segment<6>(6 * branch.body) = motions_[k].X * a0.segment<6>(6 * branch.parent) + articulated_[k].c;
   }
   Eigen::MatrixXd MG = Eigen::MatrixXd::Zero(6 * bodies, freedoms());
   Eigen::VectorXd force = Eigen::VectorXd::Zero(6 * bodies);
@@ -236,6 +270,76 @@ void ArticulatedTree::lagrangian(std::span<Twist> accelerations, std::span<doubl
     give_multipliers(branch, motions_[k], wrench, lambda);
     if (const int parent = branch_of_[branch.parent]; parent >= 0)
       articulated_[parent].bias += motions_[k].X.transpose() * wrench;
+  }
+}
+
+void ArticulatedTree::prepare(const State& state, Method method) {
+  for (std::size_t k = 0; k < branches_.size(); ++k) {
+    const int b = branches_[k].body;
+    const Mat3 R = mass_.principal_axes(b, state.poses[b]);
+    inertias_[k].setZero();
+    inertias_[k].topLeftCorner<3, 3>() = R * mass_.inertia(b).moments.asDiagonal() * R.transpose();
+    inertias_[k].bottomRightCorner<3, 3>().diagonal().setConstant(mass_.inertia(b).mass);
+    articulated_[k].inertia = inertias_[k];
+  }
+  if (method == Method::kRecursive) {
+    for (std::size_t k = branches_.size(); k-- > 0;) factorize(k);
+    return;
+  }
+  if (!lagrange_) lagrange_ = std::make_unique<Lagrange>();
+  auto& [G, MG, H] = *lagrange_;
+  G = speeds_to_bodies();
+  MG.setZero(G.rows(), G.cols());
+  for (std::size_t k = 0; k < branches_.size(); ++k)
+    MG.middleRows<6>(6 * branches_[k].body) = inertias_[k] * G.middleRows<6>(6 * branches_[k].body);
+  H.compute(dense::product(G.transpose(), MG));
+}
+
+void ArticulatedTree::biases(const State& state, std::span<const Wrench> forces,
+                             std::span<Vector6> bias) const {
+  for (std::size_t k = 0; k < branches_.size(); ++k) {
+    const int b = branches_[k].body;
+    const Vec3& w = state.twists[b].w;
+    bias[b] << w.cross(inertias_[k].topLeftCorner<3, 3>() * w) - forces[b].torque, -forces[b].force;
+  }
+}
+
+void ArticulatedTree::respond(Method method, std::span<const Vector6> bias, std::span<const double> rates,
+                              std::span<Vector6> a) {
+  for (std::size_t k = 0; k < branches_.size(); ++k) {
+    articulated_[k].bias = bias[branches_[k].body];
+    articulated_[k].c = rates.empty() ? Vector6::Zero() : block_rates(branches_[k], motions_[k], rates);
+  }
+  if (method == Method::kRecursive) {
+    for (std::size_t k = branches_.size(); k-- > 0;) carry_to_parent(k);
+    for (std::size_t k = 0; k < branches_.size(); ++k) carry_on(k);
+    std::copy(a_.begin(), a_.end(), a.begin());
+    return;
+  }
+  // a₀, then G H⁻¹ Gᵀ (f − M a₀)
+  Eigen::VectorXd left(lagrange_->G.rows());
+  left.setZero();
+  for (std::size_t k = 0; k < branches_.size(); ++k) {
+    const Branch& branch = branches_[k];
+    Vector6& its = a[branch.body];
+    its = articulated_[k].c;
+    if (branch.attached() && moves(branch.parent)) its += motions_[k].X * a[branch.parent];
+    left.segment<6>(6 * branch.body) = -articulated_[k].bias - inertias_[k] * its;
+  }
+  const Eigen::VectorXd made = lagrange_->G * lagrange_->H.solve(lagrange_->G.transpose() * left);
+  for (const Branch& branch : branches_) a[branch.body] += made.segment<6>(6 * branch.body);
+}
+
+void ArticulatedTree::add_reactions(std::span<const Vector6> a, std::span<const Vector6> bias,
+                                    std::span<double> lambda) {
+  std::fill(carried_.begin(), carried_.end(), Vector6::Zero());
+  for (std::size_t k = branches_.size(); k-- > 0;) {
+    const Branch& branch = branches_[k];
+    if (!branch.attached()) continue;
+    const Vector6 wrench = inertias_[k] * a[branch.body] + bias[branch.body] + carried_[branch.body];
+    for (int i = 0; i < branch.count; ++i)
+      lambda[held_[branch.first + i].row] += motions_[k].inverse.col(i).dot(wrench);
+    carried_[branch.parent] += motions_[k].X.transpose() * wrench;
   }
 }
 

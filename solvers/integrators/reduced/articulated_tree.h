@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -11,20 +12,23 @@
 
 namespace taut {
 
-/// What TreeDynamics is made of, by rows and masses from elsewhere, with what closes the joints.  Symbols are
-/// those of tree_dynamics.h, (1).  (solvers/integrators, "Reduced coordinates")
+/// The tree of TreeDynamics by itself, by rows and masses from elsewhere: its motion where nothing is beyond
+/// it, and what closes its joints; else its answers, of which ClosedTree makes the motion.  Symbols are those
+/// of tree_dynamics.h, (1).  (solvers/integrators, "Reduced coordinates")
 class ArticulatedTree {
  public:
   using Method = TreeDynamics::Method;
+  using Vector6 = Eigen::Matrix<double, 6, 1>;
 
   /// `rows` and `mass` are those of the world, with the topology that it has, and must outlive it; equality
-  /// rows hold, others do not.
-  /// @throws std::invalid_argument for joints that make no tree.
+  /// rows hold but those of joints that are cut, others do not.
   ArticulatedTree(const World& world, const Rows& rows, const MassMatrix& mass);
   ~ArticulatedTree();
   ArticulatedTree(const ArticulatedTree&) = delete;
   ArticulatedTree& operator=(const ArticulatedTree&) = delete;
 
+  /// The joints that are in no branch, by their index in Rows::joints().
+  const std::vector<int>& cuts() const { return cuts_; }
   /// (1), without c, at a state.  What follows refers to that.
   void linearize(const State& state);
   /// J of all rows at the state of linearize().
@@ -47,14 +51,26 @@ class ArticulatedTree {
   /// joints at once leaves them; at the state of linearize().
   void project_velocities(State& state);
 
+  // Answers, at the state of linearize().
+  /// Inertias of the bodies, and what either method makes of them.
+  void prepare(const State& state, Method method);
+  /// ω × Iω − f of each body.
+  void biases(const State& state, std::span<const Wrench> forces, std::span<Vector6> bias) const;
+  /// The a of least |a|²_M + 2 a·bias with J a + rates = 0 for the rows of the tree; no rates: 0.
+  void respond(Method method, std::span<const Vector6> bias, std::span<const double> rates,
+               std::span<Vector6> a);
+  /// λ of the rows of the tree that makes this a under this bias, added to their entries.
+  void add_reactions(std::span<const Vector6> a, std::span<const Vector6> bias, std::span<double> lambda);
+  /// Whether a body is of the tree, and so moves.
+  bool moves(int body) const { return branch_of_[body] >= 0; }
+
  private:
-  using Vector6 = Eigen::Matrix<double, 6, 1>;
   using Matrix6 = Eigen::Matrix<double, 6, 6>;
   using Rows6 = Eigen::Matrix<double, Eigen::Dynamic, 6, 0, 6, 6>;
   using OwnMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 6, 6>;
 
-  /// A row that holds, and where it is in the Jacobian.
-  struct HeldRow {
+  /// A row of a branch, and where it is in the Jacobian.
+  struct TreeRow {
     int row = 0, in_block = 0, side = 0, parent_side = 0;
   };
   struct Branch {
@@ -64,6 +80,7 @@ class ArticulatedTree {
   };
   struct Motion;       // (1) in one state
   struct Articulated;  // what the recursion carries to the roots
+  struct Lagrange;     // G, M G and H
 
   Vector6 block_rates(const Branch& branch, const Motion& motion, std::span<const double> rates) const;
   void decompose(const Branch& branch, Motion& motion, bool with_null_space);
@@ -71,6 +88,10 @@ class ArticulatedTree {
   void gather_rates(std::span<const double> rates);
   void recursive(std::span<Twist> accelerations, std::span<double> lambda);
   void lagrangian(std::span<Twist> accelerations, std::span<double> lambda);
+  void factorize(std::size_t k);
+  void carry_to_parent(std::size_t k);
+  const Vector6& carry_on(std::size_t k);
+  Eigen::MatrixXd speeds_to_bodies() const;
   double open_gap(std::size_t k, const Configuration& at);
   bool close_joint(std::size_t k, const Configuration& at, Pose& pose);
   void give_multipliers(const Branch& branch, const Motion& motion, const Vector6& wrench,
@@ -81,12 +102,15 @@ class ArticulatedTree {
   const MassMatrix& mass_;
   bool follows_time_ = false;
   std::vector<Branch> branches_;  // parents before their children
-  std::vector<HeldRow> held_;
+  std::vector<TreeRow> held_;
   std::vector<int> blocks_, first_block_;  // of branches, to be looked at one by one
   std::vector<int> branch_of_;             // of a body; −1: it does not move
   std::vector<Motion> motions_;            // by branch
   std::vector<Articulated> articulated_;   // by branch
-  std::vector<Vector6> a_;                 // by body
+  std::unique_ptr<Lagrange> lagrange_;
+  std::vector<Matrix6> inertias_;  // by branch
+  std::vector<int> cuts_;
+  std::vector<Vector6> a_, carried_;  // by body
   std::vector<double> jacobian_, gamma_, phi_;
   std::vector<Pose> before_;
   mutable std::vector<double> rates_;

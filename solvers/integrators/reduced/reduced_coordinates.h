@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <string>
 #include <vector>
 
@@ -7,7 +8,8 @@
 #include "solvers/common/settings.h"
 #include "solvers/common/step_report.h"
 #include "solvers/integrators/axis_flow.h"
-#include "solvers/integrators/reduced/articulated_tree.h"
+#include "solvers/integrators/reduced/axis_modes.h"
+#include "solvers/integrators/reduced/closed_tree.h"
 #include "solvers/integrators/runge_kutta.h"
 #include "solvers/integrators/scheme.h"
 #include "solvers/system/constraint_system.h"
@@ -15,23 +17,25 @@
 
 namespace taut {
 
-/// Worlds whose joints form trees, in reduced coordinates: accelerations by recursion or by Lagrange's
-/// equations (ArticulatedTree), integrated by the classical Runge–Kutta method or the implicit midpoint rule.
-/// The state is that of the bodies; each step ends with all joints closed from the roots to the leaves, which
-/// moves bodies by no more than the error of the step.  (solvers/integrators, "Reduced coordinates")
+/// Reduced coordinates: accelerations by recursion or by Lagrange's equations, with multipliers for what
+/// closes loops (ClosedTree), integrated by the classical Runge–Kutta method or the implicit midpoint rule.
+/// The state is that of the bodies; each step ends with all joints closed, from the roots to the leaves or
+/// together, which moves bodies by no more than the error of the step.
+/// (solvers/integrators, "Reduced coordinates")
 class ReducedCoordinates final : public Scheme {
  public:
-  /// @throws std::invalid_argument for joints that make no tree.
   ReducedCoordinates(const World& world, ConstraintSystem& system, const Settings& settings);
 
   void start(const State& state, Velocities velocities, SubstepReport& report) override;
   void begin(double dt) override;
-  /// One step of h > 0: kDone; with the old state kStalled, if joints cannot be closed or the iteration of
-  /// the midpoint rule does not contract, or kNotFinite.
+  /// One step of h > 0: kDone; with the old state kImpact, if what an axis does ends within it; kStalled, if
+  /// joints cannot be closed, the iteration of the midpoint rule does not contract or laws are not met; or
+  /// kNotFinite.
   [[nodiscard]] Outcome advance(double h, SubstepReport& report) override;
   /// No body turns by more than Settings::max_rotation, and with TensionPolicy::kSubstep ω h of the fastest
   /// transverse frequency stays below max_tension_number.
   double step_limit() const override;
+  double time_to_event() const override { return event_; }
 
   void set_time(double time) override { state_.time = time; }
   const State& state() const override { return state_; }
@@ -47,8 +51,17 @@ class ReducedCoordinates final : public Scheme {
   void transfer(Archive& archive) override;
 
  private:
-  enum class Stall { kNone, kJoints, kIteration, kTension, kNotFinite };
+  enum class Stall { kNone, kJoints, kIteration, kTension, kLaws, kNotFinite };
 
+  bool make_step(double h, SubstepReport& report);
+  Outcome give_up();
+  // Events.
+  double margin_of_next(SubstepReport& report);
+  bool locate_event(double h, double margin, SubstepReport& report);
+  bool settle(State& state, SubstepReport& report);
+  void strike(State& state);
+  bool choose_modes(State& state, SubstepReport& report);
+  void read_axes(const State& state);
   bool runge_kutta(double h, SubstepReport& report);
   bool midpoint(double h, SubstepReport& report);
   bool solve_midpoint(double h, SubstepReport& report);
@@ -58,31 +71,40 @@ class ReducedCoordinates final : public Scheme {
   bool close(State& state, SubstepReport& report);
   void accelerate(const State& state, SubstepReport& report, std::span<Twist> accelerations);
   void find_forces(const State& state, SubstepReport& report, std::span<Twist> accelerations);
+  void find_acting(const State& state, SubstepReport& report);
   void add_axis_forces(const State& state);
   void accumulate_work(const State& stage, double time, SubstepReport& report);
   bool is_finite(const State& state);
   bool has_finite_forces() const;
   double tension_of(const State& state);
   bool is_unstable(double h, double omega);
-  void close_works(double of_axes, StepWorks& works);
+  void close_works(StepWorks& works);
 
   const World& world_;
   ConstraintSystem& system_;
   const Settings& settings_;
-  ArticulatedTree tree_;
-  ArticulatedTree::Method method_;
+  ClosedTree tree_;
+  ClosedTree::Method method_;
   AxisFlow flow_;
+  AxisModes modes_;
   RungeKutta runge_kutta_;
   State state_, next_, middle_, back_;
   Stall stall_ = Stall::kNone;
   int not_finite_ = 0;
   bool follows_time_ = false;
   double omega_ = 0;  // the fastest transverse frequency [rad/s]
+  double event_ = 0;  // where the next advance ends because an axis does something else there; 0: nowhere
+  double step_ = 0, start_ = 0;           // dt of the step, and its time
+  double axis_work_ = 0, kinetic_ = NAN;  // of axes and bodies, up to where works were closed last
+  bool is_settled_ = false;               // modes are those of state_
+  int events_ = 0;                        // of the step
   std::vector<StiffnessBlocks> stiffness_;
   std::vector<InverseMassRoot> roots_;
   std::vector<Wrench> forces_, dissipative_, axis_wrenches_;
   mutable std::vector<Wrench> momenta_;  // made when they are asked for
   std::vector<Twist> acceleration_, moves_, changes_;
+  std::vector<RowLaw> laws_;  // of rows beyond the tree
+  std::vector<int> segments_;
   std::vector<double> lambda_, impulses_, impulses_before_, theta_, rates_, tau_, driven_;
 };
 

@@ -4,7 +4,7 @@
 
 #include "core/base/check.h"
 #include "core/constraints/rows.h"
-#include "solvers/integrators/reduced/articulated_tree.h"
+#include "solvers/integrators/reduced/closed_tree.h"
 #include "solvers/system/mass_matrix.h"
 
 namespace taut {
@@ -17,7 +17,7 @@ struct TreeDynamics::Impl {
 
   Rows rows;
   MassMatrix mass;
-  ArticulatedTree tree;
+  ClosedTree tree;
   std::vector<double> lambda;
 };
 
