@@ -159,23 +159,29 @@ bool AxisModes::begin_impact(std::span<const double> theta, std::span<const doub
   bool strikes = false;
   for (std::size_t k = 0; k < axes_.size(); ++k) {
     Axis& axis = axes_[k];
-    const AxisProperties& p = properties(axis);
     const double w = rates[axis.row];
-    axis.limit = touched_limit(p, theta[axis.row]);
-    const bool into = axis.limit != 0 && side_of(w, 0) == axis.limit;
-    axis.approach = into ? w : 0;
-    // Impacts that follow each other too fast are one, which has no restitution any more.
-    const bool again = axis.since_impact >= 0 && time - axis.since_impact < LawTuning::kTogether * step;
-    axis.restitution = into && !again ? p.limits->restitution : 0;
-    if (into) axis.since_impact = time;
-    const bool driven = axis.limit == 0 && has_stiff_motor(p) && is_unbounded(*p.motor);
-    strikes = strikes || into || (driven && !on_step(w, p.motor->target));
+    approach_limit(axis, theta[axis.row], w, time, step);
+    const std::optional<AxisMotor>& motor = properties(axis).motor;
+    const bool driven = axis.limit == 0 && has_stiff_motor(properties(axis)) && is_unbounded(*motor);
+    strikes = strikes || axis.approach != 0 || (driven && !on_step(w, motor->target));
     if (axis.limit == 0 && !driven) continue;
-    candidates_.push_back({.row = axis.row, .rate = driven ? p.motor->target : 0});
+    candidates_.push_back({.row = axis.row, .rate = driven ? motor->target : 0});
     members_.push_back(static_cast<int>(k));
   }
   set_impact_laws();
   return strikes;
+}
+
+/// Impacts that follow each other too fast are one, which has no restitution any more.
+void AxisModes::approach_limit(Axis& axis, double theta, double w, double time, double step) const {
+  const AxisProperties& p = properties(axis);
+  axis.limit = touched_limit(p, theta);
+  axis.approach = axis.restitution = 0;
+  if (axis.limit == 0 || side_of(w, 0) != axis.limit) return;
+  axis.approach = w;
+  const bool again = axis.since_impact >= 0 && time - axis.since_impact < LawTuning::kTogether * step;
+  if (!again) axis.restitution = p.limits->restitution;
+  axis.since_impact = time;
 }
 
 /// Newton's law of impact: w⁺ ≥ −e w⁻ from a lower limit.

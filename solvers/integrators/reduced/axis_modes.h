@@ -95,6 +95,7 @@ class AxisModes {
   ClosedTree::Held held_row(const Axis& axis) const;
   void list_candidates();
   void list_held();
+  void approach_limit(Axis& axis, double theta, double w, double time, double step) const;
   void set_impact_laws();
 
   AxisTable table_;

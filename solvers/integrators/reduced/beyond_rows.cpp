@@ -17,11 +17,15 @@ struct BeyondTuning {
   /// Of the largest λ or w of a row, both in that scale: what may be missed without a move to another
   /// segment.
   static constexpr double kDecision = 1e-12;
+  /// … by which rows of a free set may miss their rates and still not contradict each other.
+  static constexpr double kContradiction = 1e-6;
   /// Of all rows where rounds do not end, in that scale.
   static constexpr double kCompliance = 1e-9;
+  /// Sweeps before rounds are tried again, four times as many each time.
+  static constexpr int kSweeps = 50, kMostSweeps = 4000;
   /// Rounds of pivoting without fewer wrong rows before one row at a time is moved [JudicePires1994], and in
   /// all, and more for each row.
-  static constexpr int kBlockTrials = 10, kRounds = 50, kRoundsOfARow = 50;
+  static constexpr int kBlockTrials = 10, kRounds = 50, kRoundsOfARow = 2;
 };
 
 /// A λ = −b by Cholesky's L Lᵀ; false, and nothing is written, where a pivot is small.
@@ -78,13 +82,20 @@ class BeyondPivoting {
         w_(b_),
         moves_(b_.size()) {}
 
-  /// Where rows depend on each other rounds may come back to where they were: then in the limit of a
-  /// vanishing compliance of all rows, with which the least-index rule ends [Murty1974].
+  /// Where rows depend on each other, or are many, rounds may not end: then, in the limit of a vanishing
+  /// compliance of all rows, from where sweeps row by row have come to.
   bool solve() {
     if (pivot()) return true;
-    std::fill(segments_.begin(), segments_.end(), 1);
     A_.diagonal().array() += BeyondTuning::kCompliance;
-    const bool found = pivot();
+    lambda_.setZero();
+    w_ = b_;
+    bool found = false;
+    for (int sweeps = BeyondTuning::kSweeps; !found && sweeps <= BeyondTuning::kMostSweeps; sweeps *= 4) {
+      for (int sweep = 0; sweep < sweeps; ++sweep) sweep_rows();
+      const dense::Vector swept = lambda_;
+      found = pivot();
+      if (!found) w_ = A_ * (lambda_ = swept) + b_;
+    }
     A_.diagonal().array() -= BeyondTuning::kCompliance;
     if (found) solve_segments();
     return found && lambda_.allFinite();
@@ -111,6 +122,17 @@ class BeyondPivoting {
     }
     return false;
   }
+  /// Each row in turn takes the λ that its law allows while the others stay.
+  void sweep_rows() {
+    for (Eigen::Index r = 0; r < b_.size(); ++r) {
+      const double s = scale_[r], S = A_(r, r) / (s * s), lambda = s * lambda_[r];
+      const RowLaw::Point point = laws_[r].resolve(S, w_[r] / s - S * lambda);
+      const double change = (point.lambda - lambda) / s;
+      segments_[r] = point.segment;
+      lambda_[r] += change;
+      w_ += change * A_.col(r);
+    }
+  }
   bool is_free(Eigen::Index r) const { return RowLaw::is_vertical(segments_[r]); }
   /// Rates of rows on vertical segments are theirs, the λ of the others that of their levels.
   void solve_segments() {
@@ -134,21 +156,28 @@ class BeyondPivoting {
   }
   Eigen::Index find_moves() {
     const double near_lambda = BeyondTuning::kDecision * lambda_.cwiseAbs().maxCoeff();
-    const double near_w =
-        BeyondTuning::kDecision * std::max(b_.cwiseAbs().maxCoeff(), w_.cwiseAbs().maxCoeff());
+    const double largest_w = std::max(b_.cwiseAbs().maxCoeff(), w_.cwiseAbs().maxCoeff());
+    const double near_w = BeyondTuning::kDecision * largest_w;
     Eigen::Index wrong = 0;
     for (Eigen::Index r = 0; r < b_.size(); ++r) {
       const RowLaw& law = laws_[r];
       const int segment = segments_[r];
       const double s = scale_[r];
-      if (is_free(r))
+      if (is_free(r)) {
         moves_[r] = lambda_[r] > law.high(segment) / s + near_lambda  ? -1
                     : lambda_[r] < law.low(segment) / s - near_lambda ? 1
                                                                       : 0;
-      else
+        // Where dependent rows ask for rates that exclude each other, one gives way that can.
+        const double off = w_[r] - s * law.rate(segment);
+        const int way = off > 0 ? 1 : -1;
+        if (moves_[r] == 0 && std::abs(off) > BeyondTuning::kContradiction * largest_w &&
+            law.exists(segment + way))
+          moves_[r] = way;
+      } else {
         moves_[r] = w_[r] < s * law.first(segment) - near_w  ? -1
                     : w_[r] > s * law.last(segment) + near_w ? 1
                                                              : 0;
+      }
       wrong += moves_[r] != 0;
     }
     return wrong;

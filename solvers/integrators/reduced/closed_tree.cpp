@@ -9,7 +9,7 @@ namespace taut {
 namespace {
 
 /// Chosen, where nothing else is said.
-struct ClosingTuning {
+struct ClosedTreeTuning {
   /// Newton steps of all joints together at most; near the tolerance each squares the gap.
   static constexpr int kMaxSteps = 20;
 };
@@ -209,10 +209,10 @@ double ClosedTree::widest_gap(const Configuration& at) {
 bool ClosedTree::close_positions(State& state, double tolerance, int least, int& iterations) {
   if (is_tree()) return tree_.close_positions(state, tolerance, least, iterations);
   bool closed = false;
-  for (int pass = 0; pass <= ClosingTuning::kMaxSteps; ++pass) {
+  for (int pass = 0; pass <= ClosedTreeTuning::kMaxSteps; ++pass) {
     const double gap = widest_gap(state);
     closed = gap == 0 || (pass >= least && gap <= tolerance);
-    if (closed || !std::isfinite(gap) || pass == ClosingTuning::kMaxSteps || !move(state)) break;
+    if (closed || !std::isfinite(gap) || pass == ClosedTreeTuning::kMaxSteps || !move(state)) break;
     ++iterations;
   }
   return closed;

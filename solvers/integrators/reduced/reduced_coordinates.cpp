@@ -39,9 +39,11 @@ struct TrialTuning {
 };
 
 /// Of events.  Chosen, where nothing else is said.
-struct EventTuning {
+struct AxisEventTuning {
   /// Steps that look for one; it is found as well when this part of the step is left between two of them.
   static constexpr int kTrials = 60;
+  /// The margin that is looked for, between −1 and 0.
+  static constexpr double kAim = -0.5;
   /// Events of a step.
   static constexpr int kMost = 10000;
   static constexpr double kNear = 1e-13;
@@ -57,6 +59,11 @@ struct Sizes {
     shift = std::max(shift, v.norm());
   }
 };
+
+bool are_finite(std::span<const Wrench> forces) {
+  return std::all_of(forces.begin(), forces.end(),
+                     [](const Wrench& f) { return f.torque.allFinite() && f.force.allFinite(); });
+}
 
 }  // namespace
 
@@ -84,7 +91,7 @@ ReducedCoordinates::ReducedCoordinates(const World& world, ConstraintSystem& sys
 /// Velocities that joints forbid are taken away as an impact would.
 void ReducedCoordinates::start(const State& state, Velocities velocities, SubstepReport& report) {
   state_ = state;
-  is_settled_ = false;
+  course_.settled = false;
   modes_.forget();
   tree_.hold({});
   if (velocities == Velocities::kGiven) {
@@ -127,12 +134,7 @@ void ReducedCoordinates::begin(double dt) {
   flow_.begin();
   std::fill(impulses_.begin(), impulses_.end(), 0.0);
   modes_.refresh();
-  step_ = dt;
-  start_ = state_.time;
-  axis_work_ = event_ = 0;
-  kinetic_ = NAN;
-  events_ = 0;
-  is_settled_ = false;
+  course_ = {.length = dt, .start = state_.time};
 }
 
 double ReducedCoordinates::step_limit() const {
@@ -147,39 +149,49 @@ double ReducedCoordinates::step_limit() const {
 Scheme::Outcome ReducedCoordinates::advance(double h, SubstepReport& report) {
   stall_ = Stall::kNone;
   not_finite_ = 0;
-  if (!is_settled_) {
-    if (std::isnan(kinetic_)) kinetic_ = settings_.report_energy ? kinetic_energy(world_, state_) : 0;
-    if (!settle(state_, report)) return give_up();
-    is_settled_ = true;
-  }
-  impulses_before_ = impulses_;
-  flow_.begin_substep();
-  const double expected = std::exchange(event_, 0);
-  const bool closed = make_step(h, report);
-  double margin = INFINITY;
-  if (stall_ == Stall::kNone) margin = margin_of_next(report);
-  const double omega = closed && stall_ == Stall::kNone ? tension_of(next_) : 0;
-  if (stall_ == Stall::kNone && is_unstable(h, omega)) stall_ = Stall::kTension;
-  if (stall_ == Stall::kNone && margin < -1 && h != expected && locate_event(h, margin, report)) {
+  const double expected = std::exchange(course_.event, 0), used = omega_;
+  if (!begin_trial(report)) return give_up();
+  double omega = 0;
+  if (make_step(h, report)) omega = end_trial(h, expected, report);
+  if (stall_ != Stall::kNone || course_.event > 0) {
     std::swap(impulses_, impulses_before_);
     flow_.roll_back();
-    return Outcome::kImpact;
-  }
-  if (stall_ == Stall::kNone && margin < 0) settle(next_, report);
-  if (stall_ != Stall::kNone) {
-    std::swap(impulses_, impulses_before_);
-    flow_.roll_back();
-    is_settled_ = false;
-    return give_up();
+    if (stall_ != Stall::kNone) course_.settled = false;
+    return stall_ == Stall::kNone ? Outcome::kImpact : give_up();
   }
   system_.rows().update_axes(next_, next_.axes);
   modes_.report(flow_.reports());
   if (settings_.report_energy) close_works(report.works);
   std::swap(state_, next_);
   report.substeps = 1;
-  report.tension_number = h * omega_;
+  report.tension_number = h * used;
   omega_ = omega;
   return Outcome::kDone;
+}
+
+bool ReducedCoordinates::begin_trial(SubstepReport& report) {
+  if (!course_.settled) {
+    if (std::isnan(course_.kinetic) && settings_.report_energy)
+      course_.kinetic = kinetic_energy(world_, state_);
+    if (!settle(state_, report)) return false;
+    course_.settled = true;
+  }
+  impulses_before_ = impulses_;
+  flow_.begin_substep();
+  return true;
+}
+
+/// Whether the next state may be taken: else something stalls, or an event is within the step.  Where one is
+/// at its end modes are those from there on.  @returns the fastest transverse frequency there.
+double ReducedCoordinates::end_trial(double h, double expected, SubstepReport& report) {
+  const double margin = margin_of_next(report), omega = tension_of(next_);
+  if (is_unstable(h, omega))
+    stall_ = Stall::kTension;
+  else if (margin < -1 && h != expected)
+    locate_event(h, margin, report);
+  else if (margin < 0)
+    settle(next_, report);
+  return omega;
 }
 
 /// From the state to the next one in the modes that there are; false, with why, if it fails.
@@ -188,9 +200,9 @@ bool ReducedCoordinates::make_step(double h, SubstepReport& report) {
   const bool closed = is_midpoint(settings_.integrator) ? midpoint(h, report) : runge_kutta(h, report);
   if (closed && !is_finite(next_)) stall_ = Stall::kNotFinite;
   // What blows up under forces that are finite was unstable.
-  if (stall_ == Stall::kNotFinite && has_finite_forces() && is_unstable(h, INFINITY))
+  if (stall_ == Stall::kNotFinite && are_finite(forces_) && is_unstable(h, INFINITY))
     stall_ = Stall::kTension;
-  return closed;
+  return closed && stall_ == Stall::kNone;
 }
 
 Scheme::Outcome ReducedCoordinates::give_up() {
@@ -208,33 +220,31 @@ double ReducedCoordinates::margin_of_next(SubstepReport& report) {
 
 /// Where within a step of h the first inequality ends, by steps of other lengths from its start: regula falsi
 /// in Illinois' form on the margin, with bisection among it, since what is first may change.
-bool ReducedCoordinates::locate_event(double h, double margin, SubstepReport& report) {
-  constexpr double kWanted = -0.5;
-  double left = 0, right = h, below = margin - kWanted, above = -below;
+void ReducedCoordinates::locate_event(double h, double margin, SubstepReport& report) {
+  double left = 0, right = h, below = margin - AxisEventTuning::kAim, above = -below;
   int kept = 0;  // the end that the last trial has kept, −1 or 1
-  for (int trial = 0; trial < EventTuning::kTrials && right - left > EventTuning::kNear * h; ++trial) {
-    const double width = right - left, inside = EventTuning::kInside * width;
+  for (int trial = 0; trial < AxisEventTuning::kTrials && right - left > AxisEventTuning::kNear * h;
+       ++trial) {
+    const double width = right - left, inside = AxisEventTuning::kInside * width;
     const double part = trial % 3 == 2 ? 0.5 : above / (above - below);
     const double at = std::clamp(left + part * width, left + inside, right - inside);
     impulses_ = impulses_before_;
     flow_.roll_back();
-    if (!make_step(at, report) || stall_ != Stall::kNone) return false;
+    if (!make_step(at, report)) return;
     const double here = margin_of_next(report);
     if (here >= 0) {
       left = at;
-      above = std::isfinite(here) ? here - kWanted : -below;
+      above = std::isfinite(here) ? here - AxisEventTuning::kAim : -below;
       if (std::exchange(kept, 1) == 1) below *= 0.5;
     } else {
       right = at;
       if (here >= -1) break;
-      below = here - kWanted;
+      below = here - AxisEventTuning::kAim;
       if (std::exchange(kept, -1) == -1) above *= 0.5;
     }
   }
-  event_ = right;
-  if (++events_ <= EventTuning::kMost) return true;
-  stall_ = Stall::kLaws;
-  return false;
+  course_.event = right;
+  if (++course_.events > AxisEventTuning::kMost) stall_ = Stall::kLaws;
 }
 
 /// What axes strike and what they do from here on; what is held newly is closed there.
@@ -261,30 +271,34 @@ void ReducedCoordinates::read_axes(const State& state) {
 void ReducedCoordinates::strike(State& state) {
   tree_.linearize(state);
   read_axes(state);
-  if (!modes_.begin_impact(theta_, rates_, state.time - start_, step_)) return;
+  if (!modes_.begin_impact(theta_, rates_, state.time - course_.start, course_.length)) return;
   tree_.hold(modes_.candidates());
   const BeyondRows& rows = tree_.begin_impact(state);
   const auto cuts = static_cast<std::size_t>(tree_.cut_rows());
   dense::Vector impulse, after, means;
   const auto solve = [&] {
-    laws_.assign(cuts, RowLaw::equality());
-    laws_.insert(laws_.end(), modes_.laws().begin(), modes_.laws().end());
-    segments_.assign(laws_.size(), 1);
-    if (!solve_laws(rows, laws_, segments_, impulse, after)) stall_ = Stall::kLaws;
+    laws_.set(tree_.cut_rows(), modes_.laws());
+    if (!solve_laws(rows, laws_.laws, laws_.segments, impulse, after)) stall_ = Stall::kLaws;
     means = 0.5 * (after + rows.b);
     for (std::size_t i = 0; i < modes_.candidates().size(); ++i)
       means[cuts + i] += modes_.candidates()[i].rate;
   };
   solve();
   double gained = 0;
-  for (std::size_t i = cuts; i < laws_.size(); ++i)
-    if (laws_[i].bounded()) gained += impulse[i] * means[i];
+  for (std::size_t i = cuts; i < laws_.laws.size(); ++i)
+    if (laws_.laws[i].bounded()) gained += impulse[i] * means[i];
   if (gained > 0) {
     modes_.use_least_restitution();
     solve();
   }
   tree_.end_impact(impulse, state, impulses_);
   modes_.end_impact(impulse.data() + cuts, means.data() + cuts, flow_.reports());
+}
+
+void ReducedCoordinates::BeyondLaws::set(int cuts, std::span<const RowLaw> of_axes) {
+  laws.assign(cuts, RowLaw::equality());
+  laws.insert(laws.end(), of_axes.begin(), of_axes.end());
+  segments.assign(laws.size(), 1);
 }
 
 /// Of what is on its step: held, or let go to the side that its acceleration goes.
@@ -296,29 +310,22 @@ bool ReducedCoordinates::choose_modes(State& state, SubstepReport& report) {
   for (bool again = true; again && stall_ == Stall::kNone;) {
     tree_.hold(modes_.candidates());
     find_acting(state, report);
-    laws_.assign(cuts, RowLaw::equality());
-    laws_.insert(laws_.end(), modes_.laws().begin(), modes_.laws().end());
-    segments_.assign(laws_.size(), 1);
+    const BeyondRows& rows = tree_.begin_acceleration(state, axis_wrenches_, method_);
     dense::Vector lambda, rates;
-    if (!solve_laws(tree_.begin_acceleration(state, axis_wrenches_, method_), laws_, segments_, lambda,
-                    rates))
-      stall_ = has_finite_forces() ? Stall::kLaws : Stall::kNotFinite;
-    again = modes_.choose(std::span(segments_).subspan(cuts));
+    laws_.set(tree_.cut_rows(), modes_.laws());
+    if (!solve_laws(rows, laws_.laws, laws_.segments, lambda, rates))
+      stall_ = are_finite(forces_) ? Stall::kLaws : Stall::kNotFinite;
+    again = modes_.choose(std::span(laws_.segments).subspan(cuts));
   }
   tree_.hold(modes_.held());
   return stall_ == Stall::kNone;
 }
 
-bool ReducedCoordinates::has_finite_forces() const {
-  return std::all_of(forces_.begin(), forces_.end(),
-                     [](const Wrench& f) { return f.torque.allFinite() && f.force.allFinite(); });
-}
-
 /// With the work of axes among that of all joints; what kinetic energy has changed by beside both is `flow`.
 void ReducedCoordinates::close_works(StepWorks& works) {
   const double kinetic = kinetic_energy(world_, next_), of_axes = flow_.work();
-  works.constraint += of_axes - std::exchange(axis_work_, of_axes);
-  works.flow = kinetic - std::exchange(kinetic_, kinetic) - works.forces - works.constraint;
+  works.constraint += of_axes - std::exchange(course_.axis_work, of_axes);
+  works.flow = kinetic - std::exchange(course_.kinetic, kinetic) - works.forces - works.constraint;
 }
 
 std::span<const Wrench> ReducedCoordinates::momenta() const {

@@ -35,7 +35,7 @@ class ReducedCoordinates final : public Scheme {
   /// No body turns by more than Settings::max_rotation, and with TensionPolicy::kSubstep ω h of the fastest
   /// transverse frequency stays below max_tension_number.
   double step_limit() const override;
-  double time_to_event() const override { return event_; }
+  double time_to_event() const override { return course_.event; }
 
   void set_time(double time) override { state_.time = time; }
   const State& state() const override { return state_; }
@@ -53,11 +53,29 @@ class ReducedCoordinates final : public Scheme {
  private:
   enum class Stall { kNone, kJoints, kIteration, kTension, kLaws, kNotFinite };
 
+  /// Of a step so far.
+  struct Course {
+    double length = 0, start = 0;         // dt, and the time when it began
+    double event = 0;                     // where the next advance ends because an axis does something else
+    int events = 0;                       // that were found
+    bool settled = false;                 // modes are those of state_
+    double axis_work = 0, kinetic = NAN;  // of axes and bodies, up to where works were closed last
+  };
+  /// Laws of the rows beyond the tree, and the segments that they are on.
+  struct BeyondLaws {
+    std::vector<RowLaw> laws;
+    std::vector<int> segments;
+    /// Of cut rows, and of axes behind them, all on the vertical segments of their laws.
+    void set(int cuts, std::span<const RowLaw> of_axes);
+  };
+
   bool make_step(double h, SubstepReport& report);
   Outcome give_up();
+  bool begin_trial(SubstepReport& report);
+  double end_trial(double h, double expected, SubstepReport& report);
   // Events.
   double margin_of_next(SubstepReport& report);
-  bool locate_event(double h, double margin, SubstepReport& report);
+  void locate_event(double h, double margin, SubstepReport& report);
   bool settle(State& state, SubstepReport& report);
   void strike(State& state);
   bool choose_modes(State& state, SubstepReport& report);
@@ -75,7 +93,6 @@ class ReducedCoordinates final : public Scheme {
   void add_axis_forces(const State& state);
   void accumulate_work(const State& stage, double time, SubstepReport& report);
   bool is_finite(const State& state);
-  bool has_finite_forces() const;
   double tension_of(const State& state);
   bool is_unstable(double h, double omega);
   void close_works(StepWorks& works);
@@ -93,18 +110,13 @@ class ReducedCoordinates final : public Scheme {
   int not_finite_ = 0;
   bool follows_time_ = false;
   double omega_ = 0;  // the fastest transverse frequency [rad/s]
-  double event_ = 0;  // where the next advance ends because an axis does something else there; 0: nowhere
-  double step_ = 0, start_ = 0;           // dt of the step, and its time
-  double axis_work_ = 0, kinetic_ = NAN;  // of axes and bodies, up to where works were closed last
-  bool is_settled_ = false;               // modes are those of state_
-  int events_ = 0;                        // of the step
+  Course course_;
   std::vector<StiffnessBlocks> stiffness_;
   std::vector<InverseMassRoot> roots_;
   std::vector<Wrench> forces_, dissipative_, axis_wrenches_;
   mutable std::vector<Wrench> momenta_;  // made when they are asked for
   std::vector<Twist> acceleration_, moves_, changes_;
-  std::vector<RowLaw> laws_;  // of rows beyond the tree
-  std::vector<int> segments_;
+  BeyondLaws laws_;
   std::vector<double> lambda_, impulses_, impulses_before_, theta_, rates_, tau_, driven_;
 };
 

@@ -12,7 +12,9 @@
 #include "core/world/diagnostics.h"
 #include "scenes/builders/scene.h"
 #include "solvers/common/setting_checks.h"
+#include "solvers/integrators/reduced/beyond_rows.h"
 #include "solvers/simulator/simulator.h"
+#include "tests/core/random_state.h"
 
 namespace taut::closed_tree_test {
 namespace {
@@ -236,6 +238,49 @@ TEST(ClosedTree, ReactionsAsThoseOfRattle) {
       EXPECT_GT(truth[i].force.norm(), 1) << i;
     }
   }
+}
+
+/// Boxes, limits and equalities with A = B Bᵀ of full and of lower rank: each row is on its law.
+TEST(BeyondRows, MeetTheirLaws) {
+  for (unsigned seed = 0; seed < 200; ++seed) {
+    testing::Random random(seed);
+    const int count = 1 + static_cast<int>(seed % 12), rank = seed % 3 == 0 ? (count + 1) / 2 : count;
+    dense::Matrix B(count, rank);
+    for (int i = 0; i < count; ++i)
+      for (int j = 0; j < rank; ++j) B(i, j) = random.uniform(-1, 1);
+    BeyondRows rows{.A = B * B.transpose(), .b = dense::Vector(count), .alone = dense::Vector(count)};
+    std::vector<RowLaw> laws;
+    for (int i = 0; i < count; ++i) {
+      rows.b[i] = random.uniform(-1, 1);
+      rows.alone[i] = random.uniform(0.5, 2) * std::max(1e-3, rows.A(i, i));
+      // Of dependent rows none that no impulse could satisfy.
+      laws.push_back(i == 0 && rank == count       ? RowLaw::equality(0.3)
+                     : i % 3 == 1 && rank == count ? RowLaw::lower_limit(random.uniform(-0.2, 0.2))
+                                                   : RowLaw::box(-random.uniform(0.1, 1), 0.5));
+    }
+    std::vector<int> segments(count, 1);
+    dense::Vector lambda, w;
+    ASSERT_TRUE(solve_laws(rows, laws, segments, lambda, w)) << seed;
+    EXPECT_LE((rows.A * lambda + rows.b - w).norm(), 1e-9 * (1 + lambda.norm())) << seed;
+    for (int i = 0; i < count; ++i)
+      EXPECT_NEAR(laws[i].project(rows.alone[i], lambda[i], w[i]), lambda[i], 1e-6 * (1 + lambda.norm()))
+          << seed << ", row " << i;
+  }
+}
+
+/// Of three rows that say the same λ is divided, in the scale of free bodies, and a deficit that is known is
+/// left out even where rows seem to say more.
+TEST(BeyondRows, DependentRowsShare) {
+  BeyondRows rows{.A = dense::Matrix::Constant(3, 3, 2),
+                  .b = dense::Vector::Constant(3, 6),
+                  .alone = dense::Vector::Constant(3, 2)};
+  RankDeficit deficit;
+  EXPECT_LE((solve_closed(rows, deficit) + dense::Vector::Ones(3)).norm(), 1e-12);
+  EXPECT_EQ(deficit.rows, 2);
+  rows.A(0, 0) += 1e-9;
+  rows.b[0] += 1;
+  EXPECT_GT(solve_equalities(rows).norm(), 1e3);
+  EXPECT_LE(solve_equalities(rows, deficit).norm(), 3);
 }
 
 /// A crank that follows the time closes a loop: its work is what energy changes by.
