@@ -32,7 +32,7 @@ struct MethodRun {
 };
 
 /// The double pendulum, a chain of ten links and a closed loop, by every method, with steps of `dt` for
-/// `duration` [s]; reduced coordinates refuse the loop.
+/// `duration` [s].
 std::vector<MethodRun> run_methods(double dt, double duration);
 
 /// A Markdown table; curves as CSV; a gnuplot script that draws gap and energy over time, a picture per

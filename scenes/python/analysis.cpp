@@ -39,17 +39,14 @@ Array tree_accelerations(World& world, bool lagrangian) {
       fail("joint", "must have nothing that acts along its axes in a tree", world.name(JointId{j}));
     if (world.compliance(JointId{j})) fail("joint", "must not be soft in a tree", world.name(JointId{j}));
   }
-  const Rows rows(world, Rows::AxisRows::kLeftOut);
-  const MassMatrix mass(world);
-  TreeDynamics tree(world, rows, mass);
+  TreeDynamics tree(world);
   tree.linearize(world.state());
   std::vector<Wrench> forces(world.body_count());
   std::vector<Twist> accelerations(world.body_count());
-  std::vector<double> multipliers(rows.row_count(), 0.0);
   world.forces(world.state(), forces);
   tree.accelerate(world.state(), forces,
                   lagrangian ? TreeDynamics::Method::kLagrangian : TreeDynamics::Method::kRecursive,
-                  accelerations, multipliers);
+                  accelerations);
   return twist_array(accelerations);
 }
 
@@ -129,9 +126,8 @@ void bind_friction(nb::module_& m) {
 void bind_analysis(nb::module_& m) {
   bind_contact_finder(m);
   m.def("tree_accelerations", &tree_accelerations, nb::arg("world"), nb::arg("lagrangian") = false,
-        "V̇ of all bodies of a world whose joints form trees, n×6 (angular, then linear), in reduced "
-        "coordinates: by recursion, or "
-        "by Lagrange's equations.  A reference, with no S and no λ in it.");
+        "V̇ of all bodies, n×6 (angular, then linear), in reduced coordinates: by recursion, or by Lagrange's "
+        "equations; joints that close loops by multipliers.  A reference, with no S in it.");
   bind_friction(m);
 }
 

@@ -19,11 +19,11 @@ void bind_choices(nb::module_& m) {
       .value("MOREAU_JEAN", Integrator::kMoreauJean,
              "Impulses of a whole step, laws on the velocities at its end; order 1.")
       .value("RECURSIVE", Integrator::kRecursive,
-             "Reduced coordinates of trees: accelerations by recursion in O(n), classical RK4.")
+             "Reduced coordinates: accelerations by recursion in O(n), classical RK4.")
       .value("RECURSIVE_MIDPOINT", Integrator::kRecursiveMidpoint,
              "Reduced coordinates by recursion, implicit midpoint rule: order 2, time-reversible.")
       .value("LAGRANGIAN", Integrator::kLagrangian,
-             "Reduced coordinates of trees: Lagrange's equations, dense in O(n³), classical RK4.")
+             "Reduced coordinates: Lagrange's equations, dense in O(n³), classical RK4.")
       .value("LAGRANGIAN_MIDPOINT", Integrator::kLagrangianMidpoint,
              "Lagrange's equations, implicit midpoint rule: order 2, time-reversible.");
   nb::enum_<DriftCure>(m, "DriftCure",

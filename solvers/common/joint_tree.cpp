@@ -1,25 +1,61 @@
 #include "solvers/common/joint_tree.h"
 
 #include <algorithm>
+#include <set>
+#include <utility>
 
+#include "core/base/union_find.h"
 #include "core/world/swing_properties.h"
 
 namespace taut {
 namespace {
 
-/// What of an axis has a force that does not follow from the state; null: nothing.
-const char* unknown_force(const AxisProperties& p) {
-  if (p.limits && p.limits->compliance == 0) return "rigid limits";
-  if (p.motor && p.motor->pulls_only) return "a winch";
-  if (p.motor && !p.motor->has_gains()) return "a motor without stiffness or damping";
-  if (p.friction &&
-      (p.friction->static_friction > 0 || p.friction->dynamic_friction > 0 || p.friction->per_load > 0))
-    return "dry friction";
+/// What of an axis has a force that follows neither from the state nor from laws of rows alone; null:
+/// nothing.
+const char* unknown_force(const AxisProperties& p, bool is_swing) {
+  if (p.motor && p.motor->pulls_only) return "a winch, whose rope is remembered,";
+  if (p.motor && !p.motor->has_gains() && p.motor->mode != AxisMotor::Mode::kVelocity)
+    return "a motor that brakes at its target, without stiffness or damping,";
+  if (p.friction && p.friction->per_load > 0) return "friction that grows with the load";
+  if (is_swing && p.friction && p.friction->static_friction > 0)
+    return "friction of a swing, which has no direction at 0,";
   const char* bounded = nullptr;
   p.each([&]<typename Property>(const Property&) {
     if constexpr (BoundedAxisProperty<Property>) bounded = Property::kFacts.phrase;
   });
   return bounded;
+}
+
+/// Which blocks are edges of the forest: of those in a loop the ones with most rows, then the first, all that
+/// do not move as one.  What joins the same two bodies as an edge is one, too.
+std::vector<char> choose_edges(const World& world, const Rows& rows) {
+  struct Edge {
+    int block, rows, a, b;
+  };
+  std::vector<Edge> edges;
+  for (int k = 0; k < std::ssize(rows.joints()); ++k) {
+    const Rows::JointRows& joint = rows.joints()[k];
+    if (joint.equality_count == 0 || joint.side_count != 2 || !std::holds_alternative<JointId>(joint.owner))
+      continue;
+    const int a = rows.sides()[joint.first_side].body, b = rows.sides()[joint.first_side + 1].body;
+    edges.push_back({k, joint.equality_count, std::min(a, b), std::max(a, b)});
+  }
+  std::vector<Edge> by_rows = edges;
+  std::stable_sort(by_rows.begin(), by_rows.end(),
+                   [](const Edge& one, const Edge& other) { return one.rows > other.rows; });
+  UnionFind parts;
+  parts.reset(rows.body_count());
+  const auto part = [&](int body) { return parts.find(world.moves({body}) ? body : 0); };
+  std::set<std::pair<int, int>> joined;
+  for (const Edge& edge : by_rows) {
+    const int a = part(edge.a), b = part(edge.b);
+    if (a == b) continue;
+    parts.join(a, b);
+    joined.insert({edge.a, edge.b});
+  }
+  std::vector<char> chosen(rows.joints().size(), 0);
+  for (const Edge& edge : edges) chosen[edge.block] = joined.contains({edge.a, edge.b});
+  return chosen;
 }
 
 /// Grows the branches of a tree, breadth first.
@@ -29,8 +65,8 @@ class TreeGrowth {
       : world_(world),
         rows_(rows),
         tree_(tree),
-        branch_of_(rows.body_count(), -1),
-        used_(rows.joints().size(), 0) {}
+        is_edge_(choose_edges(world, rows)),
+        branch_of_(rows.body_count(), -1) {}
 
   bool is_reached(int body) const { return branch_of_[body] >= 0; }
   /// A body that hangs on nothing.
@@ -40,12 +76,24 @@ class TreeGrowth {
     std::vector<int> reached{root};
     for (std::size_t at = 0; at < reached.size(); ++at)
       for (int s : rows_.sides_of(reached[at])) {
-        const int block = rows_.sides()[s].block, other = other_end(block, reached[at]);
-        if (other < 0) continue;
-        used_[block] = 1;
-        if (world_.moves({other}) && !is_reached(other)) reached.push_back(other);
-        if (world_.moves({other})) join(reached[at], other, block);
+        const int block = rows_.sides()[s].block;
+        if (!is_edge_[block]) continue;
+        const int other = other_end(block, reached[at]);
+        if (!world_.moves({other}) || other == parent_of(reached[at])) continue;
+        if (!is_reached(other)) {
+          reached.push_back(other);
+          add({other, reached[at], {block}});
+        } else
+          tree_.branches[branch_of_[other]].blocks.push_back(block);
       }
+  }
+  /// All that is no edge is cut.
+  void cut() {
+    for (int k = 0; k < std::ssize(rows_.joints()); ++k) {
+      const Rows::JointRows& joint = rows_.joints()[k];
+      if (!is_edge_[k] && joint.equality_count > 0 && std::holds_alternative<JointId>(joint.owner))
+        tree_.cuts.push_back(k);
+    }
   }
 
  private:
@@ -53,35 +101,22 @@ class TreeGrowth {
     branch_of_[branch.body] = static_cast<int>(tree_.branches.size());
     tree_.branches.push_back(std::move(branch));
   }
-  void join(int parent, int child, int block) {
-    if (!is_reached(child)) return add({child, parent, {block}});
-    JointTree::Branch& branch = tree_.branches[branch_of_[child]];
-    if (branch.parent == parent && !branch.blocks.empty())
-      branch.blocks.push_back(block);
-    else
-      complain(block, " closes a loop, which a tree has not");
+  int other_end(int block, int body) const {
+    const Rows::Side* sides = rows_.sides().data() + rows_.joints()[block].first_side;
+    return sides[0].body == body ? sides[1].body : sides[0].body;
   }
-  /// The other body of a block that holds something and has not been used, or −1.
-  int other_end(int block, int body) {
-    const Rows::JointRows& joint = rows_.joints()[block];
-    if (used_[block] || joint.equality_count == 0 || !std::holds_alternative<JointId>(joint.owner)) return -1;
-    if (joint.side_count > 2) {
-      complain(block, " has more than two bodies, but in a tree each joins a body to its parent");
-      return -1;
-    }
-    const int a = rows_.sides()[joint.first_side].body, b = rows_.sides()[joint.first_side + 1].body;
-    return a == body ? b : a;
-  }
-  void complain(int block, const char* what) {
-    if (tree_.problem.empty())
-      tree_.problem = "joint " + world_.name(std::get<JointId>(rows_.joints()[block].owner)) + what;
+  /// Of a moving body that hangs on another; else −1.
+  int parent_of(int body) const {
+    if (!is_reached(body)) return -1;
+    const JointTree::Branch& branch = tree_.branches[branch_of_[body]];
+    return branch.blocks.empty() ? -1 : branch.parent;
   }
 
   const World& world_;
   const Rows& rows_;
   JointTree& tree_;
+  std::vector<char> is_edge_;   // blocks
   std::vector<int> branch_of_;  // of a moving body that is reached; else −1
-  std::vector<char> used_;      // blocks
 };
 
 }  // namespace
@@ -95,6 +130,7 @@ JointTree::JointTree(const World& world, const Rows& rows) {
     growth.plant(b);
     growth.grow(b);
   }
+  growth.cut();
 }
 
 std::string tree_problem(const World& world, const Rows& rows) {
@@ -108,10 +144,11 @@ std::string tree_problem(const World& world, const Rows& rows) {
     if (const auto swing = swing_properties(world, *joint); swing && swing->has_spring)
       return names(*joint, "a spring on its swing");
     for (int k = 0; k < world.axis_count(*joint); ++k)
-      if (const char* unknown = unknown_force(world.axis_properties({*joint, k})))
+      if (const char* unknown = unknown_force(world.axis_properties({*joint, k}),
+                                              world.axis_info({*joint, k}).across.turns[0] >= 0))
         return names(*joint, std::string(unknown) + " on its axis " + world.axis_info({*joint, k}).name);
   }
-  return JointTree(world, rows).problem;
+  return {};
 }
 
 }  // namespace taut

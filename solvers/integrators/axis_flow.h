@@ -24,6 +24,9 @@ class AxisFlow {
   void roll_back();
   /// τ of each axis into its row of `tau`, at a state with these coordinates and rates by row.
   void find(double time, std::span<const double> theta, std::span<const double> rates, std::span<double> tau);
+  /// Those that were found last, by what gives them, to which others may add; in the order of
+  /// Rows::axis_rows().
+  std::span<AxisImpulse> forces() { return forces_; }
   /// Adds the forces that were found last to the reports, for a time [s].
   void add(double time);
   /// Sums since begin(), with impulses in place of mean forces; in the order of Rows::axis_rows().

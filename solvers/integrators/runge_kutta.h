@@ -28,14 +28,20 @@ inline void add_twists(std::span<const Twist> from, double h, std::span<const Tw
 /// rotation vectors from the start of the step [MuntheKaas1998], so that order 4 is kept.
 class RungeKutta {
  public:
+  struct LeaveAlone {
+    void operator()(State&) const {}
+  };
+
   explicit RungeKutta(int bodies) {
     for (auto* twists : {&acceleration_, &slope_, &sum_, &mean_velocity_}) twists->resize(bodies);
   }
 
   /// A step of h from `state`, whose time stays.  accelerate(stage, weight, accelerations) is called with the
-  /// four stages in their order and their weights, whose sum is 1.
-  template <typename Accelerate>
-  void advance(const MassMatrix& mass, State& state, double h, Accelerate accelerate) {
+  /// four stages in their order and their weights, whose sum is 1.  Before, close(stage) may move a stage to
+  /// where accelerations are to be asked: a smooth map that leaves states alone which joints allow, so that
+  /// the method is of order 4 for V̇ and q̇ of there.
+  template <typename Accelerate, typename Close = LeaveAlone>
+  void advance(const MassMatrix& mass, State& state, double h, Accelerate accelerate, Close close = {}) {
     constexpr double kNode[] = {0, 0.5, 0.5, 1}, kWeight[] = {1.0 / 6, 1.0 / 3, 1.0 / 3, 1.0 / 6};
     stage_ = state;
     for (std::size_t b = 0; b < sum_.size(); ++b) sum_[b] = mean_velocity_[b] = slope_[b] = {};
@@ -45,6 +51,7 @@ class RungeKutta {
         add_twists(state.twists, kNode[i] * h, acceleration_, stage_.twists);
       }
       stage_.time = state.time + kNode[i] * h;
+      if (i > 0) close(stage_);
       // slope_ still holds this stage's displacement per time: its rotation vector turns ω into a rate of
       // rotation vectors.
       for (std::size_t b = 0; b < slope_.size(); ++b) {

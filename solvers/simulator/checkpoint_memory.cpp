@@ -304,11 +304,24 @@ void ForceLevel::transfer(Archive& archive) {
   system_.reset_counters();
 }
 
+void AxisModes::transfer(Archive& archive) {
+  archive.sized(axes_);
+  list_held();
+}
+
+void ClosedTree::transfer(Archive& archive) {
+  archive(deficit_.rows);
+  Archive::index(deficit_.rows, -1, static_cast<int>(beyond_.size()) + 1);
+}
+
 void ReducedCoordinates::transfer(Archive& archive) {
   archive(state_);
   Archive::require(same(state_, world_.state()), "its states disagree");
   archive.sized(impulses_);
   archive.sized(flow_.reports());
+  modes_.transfer(archive);
+  tree_.hold(modes_.held());
+  tree_.transfer(archive);
   archive(omega_);
   system_.transfer(archive, state_);
   system_.reset_counters();

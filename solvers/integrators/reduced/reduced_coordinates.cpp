@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "core/state/reach.h"
 #include "core/world/diagnostics.h"
@@ -37,6 +38,19 @@ struct TrialTuning {
   static constexpr double kTension = 2, kGrowth = 2;
 };
 
+/// Of events.  Chosen, where nothing else is said.
+struct AxisEventTuning {
+  /// Steps that look for one; it is found as well when this part of the step is left between two of them.
+  static constexpr int kTrials = 60;
+  /// The margin that is looked for, between −1 and 0.
+  static constexpr double kAim = -0.5;
+  /// Events of a step.
+  static constexpr int kMost = 10000;
+  static constexpr double kNear = 1e-13;
+  /// A trial is at least this part of what is left away from its ends.
+  static constexpr double kInside = 1e-4;
+};
+
 /// Largest rotation and displacement of bodies, or of their rates.
 struct Sizes {
   double turn = 0, shift = 0;
@@ -46,6 +60,11 @@ struct Sizes {
   }
 };
 
+bool are_finite(std::span<const Wrench> forces) {
+  return std::all_of(forces.begin(), forces.end(),
+                     [](const Wrench& f) { return f.torque.allFinite() && f.force.allFinite(); });
+}
+
 }  // namespace
 
 ReducedCoordinates::ReducedCoordinates(const World& world, ConstraintSystem& system, const Settings& settings)
@@ -54,9 +73,10 @@ ReducedCoordinates::ReducedCoordinates(const World& world, ConstraintSystem& sys
       system_(system),
       settings_(settings),
       tree_(world, system.rows(), system.mass()),
-      method_(is_lagrangian(settings.integrator) ? TreeDynamics::Method::kLagrangian
-                                                 : TreeDynamics::Method::kRecursive),
+      method_(is_lagrangian(settings.integrator) ? ClosedTree::Method::kLagrangian
+                                                 : ClosedTree::Method::kRecursive),
       flow_(world, system.rows()),
+      modes_(world, system.rows()),
       runge_kutta_(world.body_count()),
       follows_time_(system.rows().depends_on_time()) {
   for (auto* wrenches : {&forces_, &dissipative_, &axis_wrenches_, &momenta_})
@@ -71,6 +91,9 @@ ReducedCoordinates::ReducedCoordinates(const World& world, ConstraintSystem& sys
 /// Velocities that joints forbid are taken away as an impact would.
 void ReducedCoordinates::start(const State& state, Velocities velocities, SubstepReport& report) {
   state_ = state;
+  course_.settled = false;
+  modes_.forget();
+  tree_.hold({});
   if (velocities == Velocities::kGiven) {
     const Stopwatch watch(report.times.velocities);
     tree_.linearize(state_);
@@ -107,9 +130,11 @@ bool ReducedCoordinates::is_unstable(double h, double omega) {
   return true;
 }
 
-void ReducedCoordinates::begin(double /*dt*/) {
+void ReducedCoordinates::begin(double dt) {
   flow_.begin();
   std::fill(impulses_.begin(), impulses_.end(), 0.0);
+  modes_.refresh();
+  course_ = {.length = dt, .start = state_.time};
 }
 
 double ReducedCoordinates::step_limit() const {
@@ -122,45 +147,185 @@ double ReducedCoordinates::step_limit() const {
 }
 
 Scheme::Outcome ReducedCoordinates::advance(double h, SubstepReport& report) {
-  next_ = state_;
-  impulses_before_ = impulses_;
-  flow_.begin_substep();
   stall_ = Stall::kNone;
   not_finite_ = 0;
-  const double work_of_axes = flow_.work();
-  const bool closed = is_midpoint(settings_.integrator) ? midpoint(h, report) : runge_kutta(h, report);
-  const double omega = closed ? tension_of(next_) : 0;
-  if (closed && !is_finite(next_)) stall_ = Stall::kNotFinite;
-  // What blows up under forces that are finite was unstable.
-  if (stall_ == Stall::kNotFinite && has_finite_forces() && is_unstable(h, INFINITY))
-    stall_ = Stall::kTension;
-  if (stall_ == Stall::kNone && is_unstable(h, omega)) stall_ = Stall::kTension;
-  if (stall_ != Stall::kNone) {
+  const double expected = std::exchange(course_.event, 0), used = omega_;
+  if (!begin_trial(report)) return give_up();
+  double omega = 0;
+  if (make_step(h, report)) omega = end_trial(h, expected, report);
+  if (stall_ != Stall::kNone || course_.event > 0) {
     std::swap(impulses_, impulses_before_);
     flow_.roll_back();
-    return stall_ == Stall::kTension     ? Outcome::kUnstable
-           : stall_ == Stall::kNotFinite ? Outcome::kNotFinite
-                                         : Outcome::kStalled;
+    if (stall_ != Stall::kNone) course_.settled = false;
+    return stall_ == Stall::kNone ? Outcome::kImpact : give_up();
   }
   system_.rows().update_axes(next_, next_.axes);
-  if (settings_.report_energy) close_works(flow_.work() - work_of_axes, report.works);
+  modes_.report(flow_.reports());
+  if (settings_.report_energy) close_works(report.works);
   std::swap(state_, next_);
   report.substeps = 1;
-  report.tension_number = h * omega_;
+  report.tension_number = h * used;
   omega_ = omega;
   return Outcome::kDone;
 }
 
-bool ReducedCoordinates::has_finite_forces() const {
-  return std::all_of(forces_.begin(), forces_.end(),
-                     [](const Wrench& f) { return f.torque.allFinite() && f.force.allFinite(); });
+bool ReducedCoordinates::begin_trial(SubstepReport& report) {
+  if (!course_.settled) {
+    if (std::isnan(course_.kinetic) && settings_.report_energy)
+      course_.kinetic = kinetic_energy(world_, state_);
+    if (!settle(state_, report)) return false;
+    course_.settled = true;
+  }
+  impulses_before_ = impulses_;
+  flow_.begin_substep();
+  return true;
+}
+
+/// Whether the next state may be taken: else something stalls, or an event is within the step.  Where one is
+/// at its end modes are those from there on.  @returns the fastest transverse frequency there.
+double ReducedCoordinates::end_trial(double h, double expected, SubstepReport& report) {
+  const double margin = margin_of_next(report), omega = tension_of(next_);
+  if (is_unstable(h, omega))
+    stall_ = Stall::kTension;
+  else if (margin < -1 && h != expected)
+    locate_event(h, margin, report);
+  else if (margin < 0)
+    settle(next_, report);
+  return omega;
+}
+
+/// From the state to the next one in the modes that there are; false, with why, if it fails.
+bool ReducedCoordinates::make_step(double h, SubstepReport& report) {
+  next_ = state_;
+  const bool closed = is_midpoint(settings_.integrator) ? midpoint(h, report) : runge_kutta(h, report);
+  if (closed && !is_finite(next_)) stall_ = Stall::kNotFinite;
+  // What blows up under forces that are finite was unstable.
+  if (stall_ == Stall::kNotFinite && are_finite(forces_) && is_unstable(h, INFINITY))
+    stall_ = Stall::kTension;
+  return closed && stall_ == Stall::kNone;
+}
+
+Scheme::Outcome ReducedCoordinates::give_up() {
+  return stall_ == Stall::kTension     ? Outcome::kUnstable
+         : stall_ == Stall::kNotFinite ? Outcome::kNotFinite
+                                       : Outcome::kStalled;
+}
+
+/// AxisModes' at the next state.
+double ReducedCoordinates::margin_of_next(SubstepReport& report) {
+  if (modes_.empty()) return INFINITY;
+  accelerate(next_, report, acceleration_);
+  return modes_.margin(theta_, rates_, lambda_, tau_);
+}
+
+/// Where within a step of h the first inequality ends, by steps of other lengths from its start: regula falsi
+/// in Illinois' form on the margin, with bisection among it, since what is first may change.
+void ReducedCoordinates::locate_event(double h, double margin, SubstepReport& report) {
+  double left = 0, right = h, below = margin - AxisEventTuning::kAim, above = -below;
+  int kept = 0;  // the end that the last trial has kept, −1 or 1
+  for (int trial = 0; trial < AxisEventTuning::kTrials && right - left > AxisEventTuning::kNear * h;
+       ++trial) {
+    const double width = right - left, inside = AxisEventTuning::kInside * width;
+    const double part = trial % 3 == 2 ? 0.5 : above / (above - below);
+    const double at = std::clamp(left + part * width, left + inside, right - inside);
+    impulses_ = impulses_before_;
+    flow_.roll_back();
+    if (!make_step(at, report)) return;
+    const double here = margin_of_next(report);
+    if (here >= 0) {
+      left = at;
+      above = std::isfinite(here) ? here - AxisEventTuning::kAim : -below;
+      if (std::exchange(kept, 1) == 1) below *= 0.5;
+    } else {
+      right = at;
+      if (here >= -1) break;
+      below = here - AxisEventTuning::kAim;
+      if (std::exchange(kept, -1) == -1) above *= 0.5;
+    }
+  }
+  course_.event = right;
+  if (++course_.events > AxisEventTuning::kMost) stall_ = Stall::kLaws;
+}
+
+/// What axes strike and what they do from here on; what is held newly is closed there.
+bool ReducedCoordinates::settle(State& state, SubstepReport& report) {
+  if (modes_.empty()) {
+    tree_.hold({});
+    return true;
+  }
+  strike(state);
+  const std::vector<ClosedTree::Held> before(modes_.held().begin(), modes_.held().end());
+  if (!choose_modes(state, report)) return false;
+  return std::equal(before.begin(), before.end(), modes_.held().begin(), modes_.held().end()) ||
+         close(state, report);
+}
+
+/// θ and θ̇ of axes, at which the tree is linearised.
+void ReducedCoordinates::read_axes(const State& state) {
+  system_.rows().residual(state, theta_);
+  system_.rows().apply(tree_.jacobian(), state.twists, rates_);
+}
+
+/// Impacts at limits, by Newton's law, simultaneous; where that would gain energy, with one restitution for
+/// all, with which it cannot: ½ Σ Λ (w⁺ + w⁻) = −½ (1 − e)/(1 + e) |ΔV|²_M.
+void ReducedCoordinates::strike(State& state) {
+  tree_.linearize(state);
+  read_axes(state);
+  if (!modes_.begin_impact(theta_, rates_, state.time - course_.start, course_.length)) return;
+  tree_.hold(modes_.candidates());
+  const BeyondRows& rows = tree_.begin_impact(state);
+  const auto cuts = static_cast<std::size_t>(tree_.cut_rows());
+  dense::Vector impulse, after, means;
+  const auto solve = [&] {
+    laws_.set(tree_.cut_rows(), modes_.laws());
+    if (!solve_laws(rows, laws_.laws, laws_.segments, impulse, after)) stall_ = Stall::kLaws;
+    means = 0.5 * (after + rows.b);
+    for (std::size_t i = 0; i < modes_.candidates().size(); ++i)
+      means[cuts + i] += modes_.candidates()[i].rate;
+  };
+  solve();
+  double gained = 0;
+  for (std::size_t i = cuts; i < laws_.laws.size(); ++i)
+    if (laws_.laws[i].bounded()) gained += impulse[i] * means[i];
+  if (gained > 0) {
+    modes_.use_least_restitution();
+    solve();
+  }
+  tree_.end_impact(impulse, state, impulses_);
+  modes_.end_impact(impulse.data() + cuts, means.data() + cuts, flow_.reports());
+}
+
+void ReducedCoordinates::BeyondLaws::set(int cuts, std::span<const RowLaw> of_axes) {
+  laws.assign(cuts, RowLaw::equality());
+  laws.insert(laws.end(), of_axes.begin(), of_axes.end());
+  segments.assign(laws.size(), 1);
+}
+
+/// Of what is on its step: held, or let go to the side that its acceleration goes.
+bool ReducedCoordinates::choose_modes(State& state, SubstepReport& report) {
+  const auto cuts = static_cast<std::size_t>(tree_.cut_rows());
+  tree_.linearize(state);
+  read_axes(state);
+  modes_.begin_choice(theta_, rates_);
+  for (bool again = true; again && stall_ == Stall::kNone;) {
+    tree_.hold(modes_.candidates());
+    find_acting(state, report);
+    const BeyondRows& rows = tree_.begin_acceleration(state, axis_wrenches_, method_);
+    dense::Vector lambda, rates;
+    laws_.set(tree_.cut_rows(), modes_.laws());
+    if (!solve_laws(rows, laws_.laws, laws_.segments, lambda, rates))
+      stall_ = are_finite(forces_) ? Stall::kLaws : Stall::kNotFinite;
+    again = modes_.choose(std::span(laws_.segments).subspan(cuts));
+  }
+  tree_.hold(modes_.held());
+  return stall_ == Stall::kNone;
 }
 
 /// With the work of axes among that of all joints; what kinetic energy has changed by beside both is `flow`.
-void ReducedCoordinates::close_works(double of_axes, StepWorks& works) {
-  works.constraint += of_axes;
-  works.flow =
-      kinetic_energy(world_, next_) - kinetic_energy(world_, state_) - works.forces - works.constraint;
+void ReducedCoordinates::close_works(StepWorks& works) {
+  const double kinetic = kinetic_energy(world_, next_), of_axes = flow_.work();
+  works.constraint += of_axes - std::exchange(course_.axis_work, of_axes);
+  works.flow = kinetic - std::exchange(course_.kinetic, kinetic) - works.forces - works.constraint;
 }
 
 std::span<const Wrench> ReducedCoordinates::momenta() const {
@@ -188,6 +353,7 @@ bool ReducedCoordinates::is_finite(const State& state) {
 std::string ReducedCoordinates::stall_reason() const {
   const std::string down = " with sub-steps down to dt/" + std::to_string(settings_.max_substeps);
   return (stall_ == Stall::kIteration ? "the implicit midpoint rule could not be solved"
+          : stall_ == Stall::kLaws    ? "limits, friction and motors could not be met together"
           : stall_ == Stall::kTension ? "tension is too stiff: a shorter step, or larger masses, help;"
                                       : "positions could not be closed") +
          down;
@@ -206,22 +372,30 @@ void ReducedCoordinates::accelerate(const State& state, SubstepReport& report,
 /// … where it is already.
 void ReducedCoordinates::find_forces(const State& state, SubstepReport& report,
                                      std::span<Twist> accelerations) {
+  find_acting(state, report);
+  const Stopwatch watch(report.times.velocities);
+  if (flow_.empty()) return tree_.accelerate(state, forces_, method_, accelerations, lambda_);
+  tree_.accelerate(state, axis_wrenches_, method_, accelerations, lambda_);
+  modes_.give_forces(rates_, lambda_, tau_, flow_.forces());
+}
+
+/// What acts on bodies but for what holds: forces, and those of axes with them.
+void ReducedCoordinates::find_acting(const State& state, SubstepReport& report) {
   {
     const Stopwatch watch(report.times.forces);
     world_.forces(state, forces_);
   }
+  if (flow_.empty()) return;
   const Stopwatch watch(report.times.velocities);
-  if (flow_.empty()) return tree_.accelerate(state, forces_, method_, accelerations, lambda_);
   axis_wrenches_ = forces_;
   add_axis_forces(state);
-  tree_.accelerate(state, axis_wrenches_, method_, accelerations, lambda_);
 }
 
 void ReducedCoordinates::add_axis_forces(const State& state) {
   const Rows& rows = system_.rows();
-  rows.residual(state, theta_);
-  rows.apply(tree_.jacobian(), state.twists, rates_);
+  read_axes(state);
   flow_.find(state.time, theta_, rates_, tau_);
+  modes_.add_forces(rates_, tau_);
   for (const Rows::AxisRow& axis : rows.axis_rows()) {
     lambda_[axis.row] = tau_[axis.row];
     const Rows::JointRows& block = rows.joints()[rows.row(axis.row).block];
@@ -275,14 +449,21 @@ bool ReducedCoordinates::close(State& state, SubstepReport& report) {
   return true;
 }
 
+/// Where rows beyond the tree depend on each other, so do their stages by no more than round-off only if they
+/// are closed.
 bool ReducedCoordinates::runge_kutta(double h, SubstepReport& report) {
-  runge_kutta_.advance(system_.mass(), next_, h,
-                       [&](const State& stage, double weight, std::span<Twist> accelerations) {
-                         accelerate(stage, report, accelerations);
-                         accumulate_work(stage, weight * h, report);
-                       });
+  bool closed = true;
+  runge_kutta_.advance(
+      system_.mass(), next_, h,
+      [&](const State& stage, double weight, std::span<Twist> accelerations) {
+        accelerate(stage, report, accelerations);
+        accumulate_work(stage, weight * h, report);
+      },
+      [&](State& stage) {
+        if (tree_.may_be_redundant()) closed = closed && close(stage, report);
+      });
   next_.time += h;
-  return close(next_, report);
+  return closed && close(next_, report);
 }
 
 /// An explicit Euler step of h, closed: Ψ_h.

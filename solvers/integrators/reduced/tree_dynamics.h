@@ -1,105 +1,50 @@
 #pragma once
 
-#include <Eigen/Core>
+#include <memory>
 #include <span>
-#include <vector>
 
-#include "core/constraints/rows.h"
 #include "core/world/world.h"
-#include "solvers/system/mass_matrix.h"
 
 namespace taut {
 
-/// The motion of a world whose joints form trees, in reduced coordinates, with no S in it.
+/// The motion of a world in reduced coordinates, with no S in it.  What acts along axes is left out.
 ///
 /// The joints of body b with its parent p have the rows J_p a_p + J_b a_b + γ = 0, which leave
 ///
 ///     a_b = X a_p + c + N u̇,    X = −J_b⁺ J_p,   c = −J_b⁺ γ,   N = null space of J_b     (1)
 ///
-/// where a = (ω̇, v̇) in world axes about the centre of mass and u are the joints' own speeds.
+/// where a = (ω̇, v̇) in world axes about the centre of mass and u are the joints' own speeds.  Joints that
+/// close loops, or have more than two bodies, are cut: their rows have multipliers of their own, c in all.
 /// (solvers/integrators, "Reduced coordinates")
 class TreeDynamics {
  public:
   /// How accelerations are found.
   enum class Method {
-    kRecursive,  ///< from the leaves to the roots and back, articulated bodies in O(n) [Featherstone2008]
+    kRecursive,  ///< from the leaves to the roots and back, articulated bodies in O(n) [Featherstone2008];
+                 ///< with c rows of loops O(c n + c³)
     kLagrangian,  ///< Lagrange's equations H u̇ = Gᵀ (f − M a₀), H = Gᵀ M G, a = G u̇ + a₀: dense, O(n³)
   };
 
-  /// `rows` and `mass` are those of the world, with the topology that it has, and must outlive it; equality
-  /// rows hold, others do not.
-  /// @throws std::invalid_argument for joints that make no tree.
-  TreeDynamics(const World& world, const Rows& rows, const MassMatrix& mass);
+  /// For states of this world with the topology and masses that it has now; it is not needed any more then.
+  explicit TreeDynamics(const World& world);
   ~TreeDynamics();
   TreeDynamics(const TreeDynamics&) = delete;
   TreeDynamics& operator=(const TreeDynamics&) = delete;
 
   /// (1), without c, at a state.  What follows refers to that.
   void linearize(const State& state);
-  /// J of all rows at the state of linearize().
-  std::span<const double> jacobian() const { return jacobian_; }
-  /// Number of speeds u.
+  /// Number of speeds u, of which joints that are cut leave fewer.
   int freedoms() const;
-  /// V̇ of all bodies under these wrenches, 0 for fixed ones, and of equality rows the forces λ that make it;
-  /// those of other rows stay.
+  /// V̇ of all bodies under these wrenches, one a body; 0 for fixed ones.
   void accelerate(const State& state, std::span<const Wrench> forces, Method method,
-                  std::span<Twist> accelerations, std::span<double> lambda);
-
-  /// Closes all joints from the roots to the leaves, each body with all that hangs on it against its parent,
-  /// by Newton's method q ← q ⊕ (−J_b⁺ φ), at least `least` times, until |φ| is within the tolerance.  False
-  /// if it does not come to that.  Needs and leaves no linearize().
-  [[nodiscard]] bool close_positions(State& state, double tolerance, int least, int& iterations);
-  /// Makes velocities obey J V + φ_t = 0 from the roots to the leaves, at the state of linearize():
-  /// V ← V − J_b⁺ (J V + φ_t), exactly.
-  void close_velocities(State& state) const;
-  /// The velocities nearest to those of the state in the metric M with J V + φ_t = 0, as an impact of all
-  /// joints at once leaves them; at the state of linearize().
-  void project_velocities(State& state);
+                  std::span<Twist> accelerations);
+  /// Forces λ [N, N·m] of the equality rows of a joint, in their order, that make the last accelerations: Jᵀλ
+  /// is the wrench of the joint on its bodies.
+  std::span<const double> multipliers(JointId joint) const;
 
  private:
-  using Vector6 = Eigen::Matrix<double, 6, 1>;
-  using Matrix6 = Eigen::Matrix<double, 6, 6>;
-  using Rows6 = Eigen::Matrix<double, Eigen::Dynamic, 6, 0, 6, 6>;
-  using OwnMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 6, 6>;
-
-  /// A row that holds, and where it is in the Jacobian.
-  struct HeldRow {
-    int row = 0, in_block = 0, side = 0, parent_side = 0;
-  };
-  struct Branch {
-    int body = 0, parent = 0;
-    int first = 0, count = 0;  ///< of held_
-    bool attached() const { return count > 0; }
-  };
-  struct Motion;       // (1) in one state
-  struct Articulated;  // what the recursion carries to the roots
-
-  Vector6 block_rates(const Branch& branch, const Motion& motion, std::span<const double> rates) const;
-  void decompose(const Branch& branch, Motion& motion, bool with_null_space);
-  void gather_bodies(const State& state, std::span<const Wrench> forces);
-  void gather_rates(std::span<const double> rates);
-  void recursive(std::span<Twist> accelerations, std::span<double> lambda);
-  void lagrangian(std::span<Twist> accelerations, std::span<double> lambda);
-  double open_gap(std::size_t k, const Configuration& at);
-  bool close_joint(std::size_t k, const Configuration& at, Pose& pose);
-  void give_multipliers(const Branch& branch, const Motion& motion, const Vector6& wrench,
-                        std::span<double> lambda) const;
-  std::span<const double> open_rates(const State& state) const;
-
-  const Rows& rows_;
-  const MassMatrix& mass_;
-  bool follows_time_ = false;
-  std::vector<Branch> branches_;  // parents before their children
-  std::vector<HeldRow> held_;
-  std::vector<int> blocks_, first_block_;  // of branches, to be looked at one by one
-  std::vector<int> branch_of_;             // of a body; −1: it does not move
-  std::vector<Motion> motions_;            // by branch
-  std::vector<Articulated> articulated_;   // by branch
-  std::vector<Vector6> a_;                 // by body
-  std::vector<double> jacobian_, gamma_, phi_;
-  std::vector<Pose> before_;
-  mutable std::vector<double> rates_;
-  mutable std::vector<Twist> twists_before_;
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
 };
 
 }  // namespace taut

@@ -46,9 +46,10 @@ def test_tree_accelerations():
     world, rod, _ = pendulum()
     for lagrangian in (False, True):
         assert taut.tree_accelerations(world, lagrangian)[rod] == pytest.approx([0, 1.5 * 9.81, 0, 0, 0, -0.75 * 9.81])
-    loop = taut.build_scene("n-four-bar", n=1).world
-    with pytest.raises(ValueError):
-        taut.tree_accelerations(loop)
+    loop = taut.build_scene("n-four-bar", n=1).world  # upright, its coupler at 1 m/s on circles of 1 m
+    for lagrangian in (False, True):
+        accelerations = taut.tree_accelerations(loop, lagrangian)
+        assert accelerations[loop.body("coupler_0")] == pytest.approx([0, 0, 0, 0, 0, -1], abs=1e-12)
 
 
 def test_the_rest_of_world():

@@ -336,25 +336,23 @@ TEST(ReducedCoordinates, RefuseByNameWhatTheyDoNotHave) {
     change(world, world.joint("hinge"), world.axis(world.joint("hinge"), "angle"));
     return world;
   };
-  expect_refused(
-      with([](World& w, JointId, AxisId a) { w.set_limits(a, AxisLimits{.lower = -1, .upper = 1}); }),
-      {"hinge", "rigid limits", "angle"});
-  expect_refused(with([](World& w, JointId, AxisId a) { w.set_motor(a, AxisMotor{.target = 1}); }),
-                 {"hinge", "motor", "angle"});
   expect_refused(with([](World& w, JointId, AxisId a) {
-                   w.set_friction(a, AxisFriction{.static_friction = 1, .dynamic_friction = 1});
+                   w.set_motor(a, AxisMotor{.mode = AxisMotor::Mode::kPosition, .target = 1});
                  }),
-                 {"hinge", "friction", "angle"});
+                 {"hinge", "motor that brakes", "angle"});
+  expect_refused(with([](World& w, JointId, AxisId a) { w.set_friction(a, AxisFriction{.per_load = 0.1}); }),
+                 {"hinge", "friction that grows", "angle"});
+  expect_refused(with([](World& w, JointId, AxisId) {
+                   const JointId rope = w.add(
+                       "rope", Rope::between(w, kGround, w.body("b"), Vec3(2, 0, 0), Vec3(0.9, 0.3, -0.6)));
+                   w.set_motor(w.axis(rope, "length"), AxisMotor::winch(-0.1));
+                 }),
+                 {"rope", "winch", "length"});
   expect_refused(
       with([](World& w, JointId j, AxisId) { w.set_compliance(j, JointCompliance{.translation = 1e-6}); }),
       {"hinge", "compliance"});
   expect_refused(with([](World& w, JointId j, AxisId) { w.set_break(j, BreakLimits{.force = 10}); }),
                  {"hinge", "break"});
-  expect_refused(with([](World& w, JointId, AxisId) {
-                   w.add("rod",
-                         Distance::between(w, kGround, w.body("b"), Vec3(2, 0, 0), w.pose(w.body("b")).p));
-                 }),
-                 {"joint", "closes a loop"});
   expect_refused(with([](World& w, JointId, AxisId) { w.add_shape(w.body("a"), Sphere{0.1}); }), {"contacts"},
                  true);
 }

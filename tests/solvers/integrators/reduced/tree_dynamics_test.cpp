@@ -60,27 +60,26 @@ World random_tree(unsigned seed, int bodies) {
   return world;
 }
 
-/// With rows and masses of its own.
 struct Tree {
-  explicit Tree(const World& its) : world(its), rows(its, Rows::AxisRows::kLeftOut), mass(its) {
-    dynamics.linearize(world.state());
-  }
+  explicit Tree(const World& its) : world(its) { dynamics.linearize(world.state()); }
   int freedoms() const { return dynamics.freedoms(); }
   std::vector<Twist> recursive() { return accelerations(TreeDynamics::Method::kRecursive); }
   std::vector<Twist> lagrangian() { return accelerations(TreeDynamics::Method::kLagrangian); }
   std::vector<Twist> accelerations(TreeDynamics::Method method) {
     std::vector<Wrench> forces(world.body_count());
     std::vector<Twist> result(world.body_count());
-    lambda.assign(rows.row_count(), 0);
     world.forces(world.state(), forces);
-    dynamics.accelerate(world.state(), forces, method, result, lambda);
+    dynamics.accelerate(world.state(), forces, method, result);
+    lambda.clear();
+    for (int j = 0; j < world.joint_count(); ++j) {
+      const auto its = dynamics.multipliers(JointId{j});
+      lambda.insert(lambda.end(), its.begin(), its.end());
+    }
     return result;
   }
 
   const World& world;
-  Rows rows;
-  MassMatrix mass;
-  TreeDynamics dynamics{world, rows, mass};
+  TreeDynamics dynamics{world};
   std::vector<double> lambda;
 };
 
@@ -144,6 +143,7 @@ TEST(TreeDynamics, RecursionLagrangeAndMultipliersAgree) {
     for (const auto method : {TreeDynamics::Method::kRecursive, TreeDynamics::Method::kLagrangian}) {
       // Round-off times the condition of random lever arms.
       expect_equal(tree.accelerations(method), reference, 1e-9);
+      ASSERT_EQ(tree.lambda.size(), lambda.size());
       for (std::size_t r = 0; r < lambda.size(); ++r)
         EXPECT_NEAR(tree.lambda[r], lambda[r], 1e-9 * largest) << "row " << r;
     }
@@ -198,16 +198,41 @@ TEST(TreeDynamics, SimulationsFollowIt) {
   EXPECT_NEAR(coarse / fine, 4, 0.1);
 }
 
-TEST(TreeDynamics, RefusesWhatIsNoTree) {
-  World world;
-  const BodyId a = world.add_body({.name = "a"}), b = world.add_body({.name = "b"});
-  world.add("hinge", Hinge::at(world, kGround, a, Vec3::Zero(), Vec3::UnitX()));
-  world.add("ball", Ball::at(world, a, b, Vec3::UnitZ()));
-  EXPECT_NO_THROW(Tree{world});
-  const JointId loop = world.add("loop", Ball::at(world, kGround, b, 2 * Vec3::UnitZ()));
-  EXPECT_THROW(Tree{world}, std::invalid_argument);
-  world.detach(loop);
-  EXPECT_NO_THROW(Tree{world});
+/// A ball joint and a rod that close loops, a gear, and a rod to a second body that does not move.
+TEST(TreeDynamics, LoopsAsByMultipliers) {
+  for (unsigned seed = 0; seed < 30; ++seed) {
+    World world = random_tree(seed, 12);
+    Random random(100 + seed);
+    const BodyId wall = world.add_body({.pose = random.pose(), .fixed = true});
+    world.add("", Ball::at(world, BodyId{12}, BodyId{9}, random.vector(2)));
+    world.add("", Distance::between(world, BodyId{11}, BodyId{5}, random.vector(2), random.vector(2)));
+    world.add("", Distance::between(world, wall, BodyId{10}, random.vector(2), random.vector(2)));
+    std::vector<AxisId> angles;
+    for (int j = 0; j < world.joint_count(); ++j)
+      for (int k = 0; k < world.axis_count({j}); ++k)
+        if (world.axis_info({{j}, k}).name == "angle") angles.push_back({{j}, k});
+    ASSERT_GE(angles.size(), 2u);
+    world.add("", Gear(world, angles[0], angles[1], 1.7));
+    Tree tree(world);
+    std::vector<double> lambda;
+    const std::vector<Twist> reference = by_multipliers(world, lambda);
+    double largest = 1;
+    for (double l : lambda) largest = std::max(largest, std::abs(l));
+    for (const auto method : {TreeDynamics::Method::kRecursive, TreeDynamics::Method::kLagrangian}) {
+      expect_equal(tree.accelerations(method), reference, 1e-7);
+      ASSERT_EQ(tree.lambda.size(), lambda.size());
+      for (std::size_t r = 0; r < lambda.size(); ++r)
+        EXPECT_NEAR(tree.lambda[r], lambda[r], 1e-7 * largest) << "row " << r;
+    }
+  }
+}
+
+TEST(TreeDynamics, MultipliersOfWhatIsNoJoint) {
+  const World world = random_tree(1, 3);
+  const Tree tree(world);
+  EXPECT_NO_THROW((void)tree.dynamics.multipliers(JointId{1}));
+  EXPECT_THROW((void)tree.dynamics.multipliers(JointId{2}), std::invalid_argument);
+  EXPECT_THROW((void)tree.dynamics.multipliers(JointId{}), std::invalid_argument);
 }
 
 /// Two hinges of one door are one joint, of which five rows say nothing new.
