@@ -110,8 +110,7 @@ std::string penetration_text(const RunRecord& r) {
 /// "hoist at 1.5 s: motor of winch length: target -0.5"
 std::string event_text(const EventRecord& event) {
   return event.name + format(" at %.9g s", event.time) +
-         (event.value ? format(" (%.6g)", *event.value) : "") +
-         (event.what.empty() ? "" : ": " + event.what);
+         (event.value ? format(" (%.6g)", *event.value) : "") + (event.what.empty() ? "" : ": " + event.what);
 }
 
 std::string page_beside(const std::string& file) {
