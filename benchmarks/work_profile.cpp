@@ -14,6 +14,7 @@
 #include <numeric>
 #include <random>
 #include <stdexcept>
+#include <string_view>
 #include <thread>
 #include <vector>
 
@@ -23,6 +24,7 @@
 #include "core/base/thread_pool.h"
 #include "core/world/diagnostics.h"
 #include "scenes/builders/scene.h"
+#include "solvers/common/setting_names.h"
 #include "solvers/linear/block_ordering.h"
 #include "solvers/linear/multifrontal_factor.h"
 #include "solvers/simulator/simulator.h"
@@ -212,6 +214,35 @@ Json motion_json(Scene& scene, double time, double limit) {
             {"total", sum.total * per}}}};
 }
 
+/// Median time of a step of the scene by each method for joints that make trees [s]; null where it refuses.
+Json methods_json(const std::string& name, const std::map<std::string, double>& parameters, double limit) {
+  constexpr int kLeastSteps = 3, kMostSteps = 200;  // the first is not counted
+  Json times;
+  for (const char* method :
+       {"rattle", "recursive", "recursive-midpoint", "lagrangian", "lagrangian-midpoint"}) {
+    const auto its_name = [&](const auto& entry) { return entry.first == std::string_view(method); };
+    const auto integrator = std::find_if(std::begin(kIntegratorNames), std::end(kIntegratorNames), its_name);
+    Scene scene = build_scene(name, parameters);
+    Json& time = times[method];
+    try {
+      Simulator simulator(scene.world, {.integrator = integrator->second, .contacts = false, .threads = 1});
+      std::vector<double> steps;
+      double spent = 0;
+      while (std::ssize(steps) < kLeastSteps || (std::ssize(steps) < kMostSteps && spent < limit)) {
+        bool ok = false;
+        steps.push_back(benchmarks::cpu_seconds_of([&] { ok = simulator.step(kStep).ok(); }));
+        if (!ok) throw std::invalid_argument(simulator.report().message);
+        spent += steps.back();
+      }
+      steps.erase(steps.begin());
+      time = benchmarks::median(std::move(steps));
+    } catch (const std::invalid_argument&) {
+      time = nullptr;
+    }
+  }
+  return times;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -222,6 +253,7 @@ int main(int argc, char** argv) {
   std::string with;
   double time = 0.5, limit = 5;
   int shuffles = 0;
+  bool methods = false;
   app.add_option("--scene", name, "a scene of the catalogue");
   app.add_option("--n", n, "its size; 0: it has none");
   app.add_option("--with", with, "a parameter of the scene to be 1");
@@ -229,6 +261,7 @@ int main(int argc, char** argv) {
   app.add_option("--limit", limit, "processor time of the steps [s]")->check(CLI::PositiveNumber);
   app.add_option("--shuffles", shuffles,
                  "instead: orders and factors of so many random numberings of joints");
+  app.add_flag("--methods", methods, "instead: a step by rattle, by recursion and by Lagrange's equations");
   CLI11_PARSE(app, argc, argv);
   try {
     std::map<std::string, double> parameters;
@@ -238,6 +271,11 @@ int main(int argc, char** argv) {
     Json out{{"scene", name}, {"n", n}, {"with", with}, {"bodies", scene.world.moving_body_count()}};
     if (shuffles > 0) {
       out["numberings"] = orders_json(scene.world, shuffles);
+      std::cout << out.dump() << std::endl;
+      return 0;
+    }
+    if (methods) {
+      out["method_step_times_s"] = methods_json(name, parameters, limit);
       std::cout << out.dump() << std::endl;
       return 0;
     }

@@ -68,6 +68,51 @@ std::string thread_rows(const OrderedJson& profiles) {
   return rows;
 }
 
+constexpr const char* kChainMethods[] = {"rattle", "recursive", "recursive-midpoint", "lagrangian",
+                                         "lagrangian-midpoint"};
+
+/// "recursive is faster than lagrangian from 12 links on"
+std::string crossing_text(const OrderedJson& methods, const std::string& slower, const std::string& faster) {
+  Points first, second;
+  for (const OrderedJson& p : methods) {
+    if (p.contains("failed")) continue;
+    const double n = number_in(p, "n"), a = number_in(p.at("method_step_times_s"), slower.c_str()),
+                 b = number_in(p.at("method_step_times_s"), faster.c_str());
+    if (!(a > 0 && b > 0)) continue;
+    first.emplace_back(n, a);
+    second.emplace_back(n, b);
+  }
+  const std::optional<double> at = crossing(first, second);
+  return "* " + faster +
+         (!at        ? " is not faster than " + slower + " at the last size"
+          : *at == 0 ? " is faster than " + slower + " at all sizes"
+                     : " is faster than " + slower + format(" from some %.0f links on", *at)) +
+         '\n';
+}
+
+/// A step of a chain by each method, and from which size on which is faster.
+std::string method_table(const OrderedJson& methods) {
+  if (methods.empty()) return "";
+  std::string text =
+      "\n## Methods on a chain\n\nMedian processor time of a step of 1 ms of `chain`, n links on ball "
+      "joints: "
+      "in maximal coordinates (rattle,\norder 2), by the recursion of articulated bodies and by Lagrange's "
+      "equations with a dense matrix (order 4, midpoint 2).\n\n| n |";
+  for (const char* method : kChainMethods) text += std::string(" ") + method + " |";
+  text += "\n|---|---|---|---|---|---|\n";
+  for (const OrderedJson& p : methods) {
+    text += format("| %d |", p.at("n").get<int>());
+    for (const char* method : kChainMethods) {
+      const double time = p.contains("failed") ? NAN : number_in(p.at("method_step_times_s"), method);
+      text += std::isnan(time) ? std::string(" – |") : format(" %.3g ms |", 1e3 * time);
+    }
+    text += '\n';
+  }
+  return text + '\n' + crossing_text(methods, "lagrangian", "recursive") +
+         crossing_text(methods, "lagrangian", "rattle") + crossing_text(methods, "recursive", "rattle") +
+         crossing_text(methods, "recursive-midpoint", "rattle");
+}
+
 /// What grows, over the rows, of one family of scenes.
 struct Growth {
   std::string family;
@@ -109,6 +154,20 @@ std::optional<double> growth_exponent(const Points& points) {
   return (count * sxy - sx * sy) / spread;
 }
 
+std::vector<int> method_sizes(bool quick) {
+  return quick ? std::vector<int>{4, 32} : std::vector<int>{2, 4, 8, 16, 32, 64, 128, 256};
+}
+
+std::optional<double> crossing(const Points& first, const Points& second) {
+  const auto over = [&](std::size_t i) { return std::log(first[i].second / second[i].second); };
+  std::size_t above = std::min(first.size(), second.size());
+  while (above > 0 && over(above - 1) > 0) --above;
+  if (above == std::min(first.size(), second.size())) return std::nullopt;
+  if (above == 0) return 0;
+  const double before = over(above - 1), after = over(above), from = std::log(first[above - 1].first);
+  return std::exp(from + (std::log(first[above].first) - from) * before / (before - after));
+}
+
 std::string work_tables(const BenchResults& results) {
   std::string text =
       "## Work of a step\n\nStep: median processor time of a step of 1 ms, from the start of the scene on; "
@@ -134,7 +193,7 @@ std::string work_tables(const BenchResults& results) {
         "thread.\n\n"
         "| scene | two, measured | two | four | 16 | 64 |\n|---|---|---|---|---|---|\n" +
         rows;
-  return text;
+  return text + method_table(results.value("methods", OrderedJson::array()));
 }
 
 }  // namespace taut

@@ -27,7 +27,11 @@ void translate(const std::exception_ptr& thrown, void*) {
     nb::setattr(instance, "problems", problems);
     PyErr_SetObject(file_errors().scene.ptr(), instance.ptr());
   } catch (const ImportError& error) {
+    nb::list problems;
+    for (const ImportNotice& p : error.problems())
+      problems.append(nb::make_tuple(decoded_path(p.place.file), p.place.line, decoded(p.message)));
     const nb::object instance = file_errors().model(decoded(error.what()));
+    nb::setattr(instance, "problems", problems);
     nb::setattr(instance, "file", decoded_path(error.place().file));
     nb::setattr(instance, "line", nb::int_(error.place().line));
     PyErr_SetObject(file_errors().model.ptr(), instance.ptr());
@@ -49,13 +53,15 @@ void bind_file_errors(nb::module_& m) {
   of_scene["problems"] = nb::list();
   of_model["file"] = "";
   of_model["line"] = 0;
+  of_model["problems"] = nb::list();
   file_errors() = {
       new_error(m, "SceneFileError", of_scene,
                 "All that is wrong in a scene or state file: `problems`, tuples of path, message and value."),
       new_error(
           m, "ModelError", of_model,
           "A model file that cannot be a scene (ImportError of C++, a name that Python has for something "
-          "else).  Its text begins with `file` and `line`; 0: it is about the file as a whole.")};
+          "else).  `problems`: all that is wrong, tuples of file, line and message; line 0: it is about the "
+          "file as a whole.  `file` and `line` are those of the first, with which its text begins.")};
   nb::register_exception_translator(translate);
 }
 

@@ -35,7 +35,7 @@ std::string_view to_string(Status status);  ///< in words, as "not converged"
 struct StageTimes {
   double forces = 0;         ///< evaluation of force laws
   double positions = 0;      ///< drift, residuals and back-solves of the position stage
-  double assembly = 0;       ///< Jacobian and system matrix
+  double assembly = 0;       ///< Jacobian and Delassus matrix
   double factorization = 0;  ///< numeric
   double velocities = 0;     ///< back-solves of the velocity stage
   double analysis = 0;       ///< ordering and symbolic factorisation; 0 unless the topology changed

@@ -93,7 +93,7 @@ ActiveSetOutcome ActiveSet::solve(std::span<const RowLaw> laws, std::span<const 
     std::copy(best_lambda_.begin(), best_lambda_.end(), lambda.begin());
     read_segment_residuals(problem);
   }
-  measure(problem, outcome);
+  take_residual(problem, outcome);
   if (result == Search::kNotFinite || !std::isfinite(outcome.residual)) {
     outcome.status = ActiveSetStatus::kNotFinite;
     std::fill(lambda.begin(), lambda.end(), 0.0);  // it may be the next guess
@@ -185,7 +185,7 @@ bool ActiveSet::solve_segments(const Problem& problem, Start start, int budget, 
 
 /// w = S λ + b and what the equation of each segment, w = w_k or λ = l − c w, lacks; the largest, over
 /// √(S_rr + Σ_r) [√J], infinite if something is not finite.  It belongs to the linear problem of the segments
-/// that are tried; whether those are the right ones is for the natural residual (measure()).
+/// that are tried; whether those are the right ones is for the natural residual (take_residual()).
 double ActiveSet::read_segment_residuals(const Problem& problem) {
   system_.rates(problem.lambda, problem.b, problem.w);
   LargestResidual largest;
@@ -260,7 +260,7 @@ int ActiveSet::find_wrong_rows(const Problem& problem) {
   return wrong;
 }
 
-void ActiveSet::measure(const Problem& problem, ActiveSetOutcome& outcome) {
+void ActiveSet::take_residual(const Problem& problem, ActiveSetOutcome& outcome) {
   outcome.residual = scale_;
   if (!std::isfinite(scale_)) return;
   LargestResidual largest;
@@ -273,7 +273,7 @@ void ActiveSet::measure(const Problem& problem, ActiveSetOutcome& outcome) {
 
 void ActiveSet::keep_best(const Problem& problem) {
   ActiveSetOutcome measured;
-  measure(problem, measured);
+  take_residual(problem, measured);
   if (!(measured.residual < best_residual_)) return;
   best_residual_ = measured.residual;
   std::copy(problem.lambda.begin(), problem.lambda.end(), best_lambda_.begin());

@@ -140,7 +140,7 @@ class ActiveSet {
   double read_segment_residuals(const Problem& problem);
   bool impulses_to_decide_by(const Problem& problem);
   int find_wrong_rows(const Problem& problem);
-  void measure(const Problem& problem, ActiveSetOutcome& outcome);
+  void take_residual(const Problem& problem, ActiveSetOutcome& outcome);
   void keep_best(const Problem& problem);
   int update_budget() const;
 

@@ -76,7 +76,7 @@ bool ContactSolver::meets_laws(const StageProblem& problem, double tolerance, do
   return true;
 }
 
-/// … as it is divided now.
+/// With all that presses locked, and the load divided as it is now.
 bool ContactSolver::rests_locked(const StageProblem& problem, double rate_tolerance, StageRecord& record) {
   const auto solve = [&](std::span<const RowLaw> laws, std::span<double> lambda) {
     record.iterations +=

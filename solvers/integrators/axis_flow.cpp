@@ -9,7 +9,7 @@
 namespace taut {
 namespace {
 
-/// … without bounds of the motor.
+/// What a motor with gains gives without its bounds.
 double servo_force(const AxisMotor& motor, double time, double theta, double rate) {
   const MotionPoint target = target_at(motor, time);
   const double stretch = motor.stiffness > 0 ? target.value - theta : 0;

@@ -17,14 +17,23 @@ struct BodyMovesTuning {
   static constexpr double kLongestTurn = 0.5;
 };
 
+/// q ← q ⊕ (turn, shift), of one body in world axes.
+inline void move_pose(Pose& pose, const Vec3& turn, const Vec3& shift) {
+  pose.p += shift;
+  pose.q = (exp_so3(turn) * pose.q).normalized();
+}
+/// The part of a step of Newton's method in which no body turns by more than kLongestTurn.
+inline double part_of_step(double turn) {
+  return turn > BodyMovesTuning::kLongestTurn ? BodyMovesTuning::kLongestTurn / turn : 1;
+}
+
 /// q ← q ⊕ scale M⁻¹ j.
 inline void move_bodies(const MassMatrix& mass, std::span<const Wrench> impulse, double scale,
                         std::span<Pose> poses) {
   for (int b = 0; b < mass.size(); ++b) {
     if (mass[b].fixed) continue;
-    const Vec3 turn = scale * mass.angular_velocity(b, poses[b], impulse[b].torque);
-    poses[b].p += scale * mass[b].inverse_mass * impulse[b].force;
-    poses[b].q = (exp_so3(turn) * poses[b].q).normalized();
+    move_pose(poses[b], scale * mass.angular_velocity(b, poses[b], impulse[b].torque),
+              scale * mass[b].inverse_mass * impulse[b].force);
   }
 }
 

@@ -102,7 +102,7 @@ void StepLimit::find_held_bodies() {
   for (int b = 0; b < world_.body_count() && !leaves_out_; ++b) leaves_out_ = is_held(b);
 }
 
-bool StepLimit::misses_freed_bodies() const { return leaves_out_ && axes_.any_broken(); }
+bool StepLimit::misses_freed_bodies() const { return leaves_out_ && axes_.any_slipping(); }
 
 bool StepLimit::is_held(int body) {
   return !system_.mass()[body].fixed && stuck_together_.find(body) == kFixed;

@@ -19,7 +19,7 @@ inline Vec2 into_disc(const Vec2& x, double radius, double part = 0) {
   return {scale * x[0], scale * x[1]};
 }
 
-/// The same in one row.
+/// The point of [−radius, radius] that is nearest to x, or this part of the way from there to x.
 inline double into_interval(double x, double radius, double part = 0) {
   const double nearest = std::clamp(x, -radius, radius);
   return part > 0 ? nearest + part * (x - nearest) : nearest;

@@ -56,7 +56,7 @@ double front_cost(double p, double m);
 
 /// @pre A holds its lower triangle, with every diagonal block.
 AssemblyTree build_assembly_tree(const SymmetricMatrix& A);
-/// The same for the pattern alone.
+/// Of a matrix of which the pattern alone is known.
 AssemblyTree build_assembly_tree(const BlockPattern& A);
 
 /// Modelled time of a factorisation [ns], that of all fronts of the tree of A.

@@ -14,7 +14,7 @@ struct SharingTuning {
   /// Modelled time of a factorisation (front_cost()) [ns] from which on waking a second thread pays, and half
   /// of it each further one.  Measured with two.
   static constexpr double kFactorFrom = 6e6;
-  /// The same of bytes of L, which a solve reads twice.  Measured.
+  /// Bytes of L, which a solve reads twice, from which on that pays.  Measured.
   static constexpr double kSolveFrom = 16e6;
   /// A subtree of a factorisation costs at most this part of a thread's share, so that shares even out: a
   /// study of nets found 8 to do.  Measured.
@@ -50,9 +50,9 @@ struct SharedFactorization {
   std::atomic<int> failed;                ///< the first column
 };
 
-/// The same for solves.  Subtrees go first in forward and last in backward substitution, and one thread does
-/// the fronts above.  What a subtree adds to rows outside it is kept aside, and added in the fronts'
-/// postorder as by one thread alone: so that sums are the same to the last bit.
+/// What threads share in solves.  Subtrees go first in forward and last in backward substitution, and one
+/// thread does the fronts above.  What a subtree adds to rows outside it is kept aside, and added in the
+/// fronts' postorder as by one thread alone: so that sums are the same to the last bit.
 struct SharedPasses {
   TreeCut cut;
   int threads = 1;

@@ -54,7 +54,7 @@ void EnergyAccounting::close(const World& world, StepReport& report, bool by_wor
   ledger.forces = report.works.dissipative + dissipative;
   ledger.breaking = -lost;
   ledger.stiffness = report.works.stiffness;
-  // … to what the free flow has left there.
+  // To what the free flow has left there comes what no other term has.
   ledger.integration += ideal + (report.works.forces - report.works.dissipative) +
                         (end_.stored() + lost - start_.stored()) - dissipative;
 }

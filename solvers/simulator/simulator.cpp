@@ -130,7 +130,7 @@ Simulator::Impl::Before Simulator::Impl::begin_step(double dt) {
   return before;
 }
 
-/// … with the energies from before in the ledger.
+/// Islands at rest; the ledger has the energies from before.
 void Simulator::Impl::fall_asleep() {
   welds_.forget_means();
   if (settings_.report_energy) accounting_.begin(world_, bodies_.as_set(), report_);
@@ -307,7 +307,7 @@ void Simulator::Impl::refresh() {
   stepper_.note_state();
 }
 
-/// … with what the one before knows, but of bodies that were moved.
+/// A stepper for a new topology, with what the one before knows, but of bodies that were moved.
 Stepper::Predecessor Simulator::Impl::renew_pattern() {
   require_none(setting_conflicts(settings_, world_));
   Stepper::Predecessor old = stepper_.renew_from_known();

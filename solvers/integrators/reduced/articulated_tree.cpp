@@ -382,9 +382,8 @@ bool ArticulatedTree::close_joint(std::size_t k, const Configuration& at, Pose& 
   const Vector6 move = block_rates(branches_[k], motions_[k], phi_);
   const double turn = move.head<3>().norm();
   if (!std::isfinite(turn)) return false;
-  const double scale = turn > BodyMovesTuning::kLongestTurn ? BodyMovesTuning::kLongestTurn / turn : 1;
-  pose.p += scale * move.tail<3>();
-  pose.q = (exp_so3(scale * move.head<3>()) * pose.q).normalized();
+  const double part = part_of_step(turn);
+  move_pose(pose, part * move.head<3>(), part * move.tail<3>());
   return true;
 }
 

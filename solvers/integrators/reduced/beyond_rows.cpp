@@ -14,12 +14,12 @@ struct BeyondTuning {
   /// Of A over that of free bodies: an eigenvalue below which rows depend on each other; its root is what
   /// gaps may make of such rows where joints are closed.
   static constexpr double kDependent = 1e-12;
-  /// … pivots of its Cholesky factor above which none is looked for.
+  /// In the same scale, pivots of its Cholesky factor above which no such eigenvalue is looked for.
   static constexpr double kSafePivot = 1e-8;
   /// Of the largest λ or w of a row, both in that scale: what may be missed without a move to another
   /// segment.
   static constexpr double kDecision = 1e-12;
-  /// … by which rows of a free set may miss their rates and still not contradict each other.
+  /// In the same scale, by how much rows of a free set may miss their rates and not contradict each other.
   static constexpr double kContradiction = 1e-6;
   /// Of all rows where rounds do not end, in that scale.
   static constexpr double kCompliance = 1e-9;

@@ -24,7 +24,7 @@ struct RankDeficit {
 /// closed positions the rows that depend on the others there say what others do not, but nothing that is
 /// true.
 dense::Vector solve_equalities(const BeyondRows& rows, const RankDeficit& known = {});
-/// … and finds it.
+/// The same λ, where the deficit is not known yet: it is found.
 dense::Vector solve_closed(const BeyondRows& rows, RankDeficit& found);
 
 /// λ and w with λ_r ∈ L_r(w_r) for each row, and the segments of laws that they are on, by block principal

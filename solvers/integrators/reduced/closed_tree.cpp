@@ -228,12 +228,11 @@ bool ClosedTree::move(State& state) {
   add_responses(solve_equalities(problem_, all ? deficit_ : RankDeficit{}), placed_);
   double turn = 0;
   for (const Vector6& a : a_) turn = std::max(turn, a.head<3>().norm());
-  const double scale = turn > BodyMovesTuning::kLongestTurn ? BodyMovesTuning::kLongestTurn / turn : 1;
+  const double part = part_of_step(turn);
   for (std::size_t b = 0; b < a_.size(); ++b) {
     if (!tree_.moves(static_cast<int>(b))) continue;
     if (!a_[b].allFinite()) return false;
-    state.poses[b].p += scale * a_[b].tail<3>();
-    state.poses[b].q = (exp_so3(scale * a_[b].head<3>()) * state.poses[b].q).normalized();
+    move_pose(state.poses[b], part * a_[b].head<3>(), part * a_[b].tail<3>());
   }
   return true;
 }

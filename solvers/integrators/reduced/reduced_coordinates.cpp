@@ -46,6 +46,7 @@ struct AxisEventTuning {
   static constexpr double kAim = -0.5;
   /// Events of a step.
   static constexpr int kMost = 10000;
+  /// An event is located where it is known to this part of the step.
   static constexpr double kNear = 1e-13;
   /// A trial is at least this part of what is left away from its ends.
   static constexpr double kInside = 1e-4;
@@ -369,7 +370,7 @@ void ReducedCoordinates::accelerate(const State& state, SubstepReport& report,
   find_forces(state, report, accelerations);
 }
 
-/// … where it is already.
+/// Forces, accelerations and λ where the tree is linearised already.
 void ReducedCoordinates::find_forces(const State& state, SubstepReport& report,
                                      std::span<Twist> accelerations) {
   find_acting(state, report);

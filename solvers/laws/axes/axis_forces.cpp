@@ -186,7 +186,7 @@ bool AxisForces::laws_move(const ConstraintSystem& system, std::span<const doubl
   return loads_.update(table_, axes_, system.rows(), system.jacobian(), lambda) || moved || turned;
 }
 
-bool AxisForces::any_broken() const {
+bool AxisForces::any_slipping() const {
   for (std::size_t i = 0; i < axes_.size(); ++i)
     if (axes_[i].friction.slides(table_.properties(i).friction)) return true;
   return false;

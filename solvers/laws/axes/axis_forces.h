@@ -94,7 +94,7 @@ class AxisForces {
   std::span<const char> growing() const { return loads_.growing(); }
   bool has_unbounded_motor(std::size_t i) const { return table_.has_unbounded_motor(i); }
   /// Friction has let go of an axis in this step.
-  bool any_broken() const;
+  bool any_slipping() const;
   /// Zeroes the entries of rows that friction does not hold, one a row.
   void clear_loose(std::span<char> rows) const;
 

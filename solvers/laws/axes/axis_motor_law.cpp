@@ -18,7 +18,8 @@ double mean_rate_to_stop(double way, double deceleration, double h) {
   return way <= in_a_step ? way / h : std::sqrt(2 * deceleration * way) - 0.5 * deceleration * h;
 }
 
-/// … the largest rate at its end, by the mean (1 − ϑ) u₀ + ϑ u.
+/// The largest rate at the end of a stage from which a motor still stops in time, by the mean (1 − ϑ) u₀ + ϑ
+/// u.
 double end_rate_to_stop(double way, double deceleration, double h, double vartheta, double u0) {
   const double per_step = vartheta * h * deceleration;
   const double left = std::max(0.0, way - (1 - vartheta) * h * u0);

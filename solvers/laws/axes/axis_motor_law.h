@@ -20,7 +20,7 @@ MotionPoint target_at(const AxisMotor& motor, double time);
 /// What it can give at this speed and at all that are lower [N·m or N].
 double available_force(const AxisMotor& motor, double speed);
 
-/// Motor of one axis in a stage that keeps its target.  (solvers/laws/axes/README.md)
+/// Motor of one axis in a stage that keeps its target.  (solvers/laws/axes, "Exact motors that brake")
 /// set() is false for a trajectory that is not finite, since a law cannot have a breakpoint that is not
 /// a number; the motor is left out then.
 struct AxisMotorLaw : AxisBoxLaw<&AxisImpulse::motor> {

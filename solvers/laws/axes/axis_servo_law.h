@@ -11,7 +11,7 @@ namespace taut {
 
 /// Motor of one axis with gains: λ = level − slope w, the implicit midpoint rule of a spring and damper whose
 /// rest moves with the target, held within what the motor has.  Where the step does not resolve the stiffness
-/// it turns into the target itself (solvers/laws/axes/README.md).
+/// it turns into the target itself (solvers/laws/axes, "Servos").
 struct AxisServoLaw : AxisPartLaw {
   ImpulseLine line;      ///< of this stage, without the bound
   double bound = 0;      ///< impulse in this stage; 0: none [N·m·s or N·s]

@@ -9,7 +9,7 @@
 namespace taut {
 
 /// Winch on the length of a rope in a stage: the way of the rope is no longer than what is let out at the end
-/// of the step, −bound ≤ λ ≤ 0.  (solvers/laws/axes/README.md)
+/// of the step, −bound ≤ λ ≤ 0.  (solvers/laws/axes, "Winches")
 struct AxisWinchLaw : AxisPartLaw {
   double at = 0;          ///< the largest rate of this stage, where it pulls [m/s]
   double bound = 0;       ///< impulse in this stage; 0: none [N·s]

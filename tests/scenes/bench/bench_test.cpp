@@ -199,6 +199,35 @@ TEST(WorkReport, ShowsTheNumbersOfEachProfileAndTheGrowthOfEachFamily) {
   EXPECT_NE(work_tables(results).find("| chain 1000 | 3000 | nan ms |"), std::string::npos);
 }
 
+/// Powers cross where they are equal.
+TEST(WorkReport, CurvesCrossForGood) {
+  using Points = std::vector<std::pair<double, double>>;
+  const Points cubic{{2, 8}, {8, 512}, {32, 32768}}, linear{{2, 50}, {8, 200}, {32, 800}};
+  EXPECT_NEAR(crossing(cubic, linear).value(), 5, 1e-12);  // n³ = 25 n
+  EXPECT_FALSE(crossing(linear, cubic));
+  EXPECT_EQ(crossing(cubic, {{2, 1}, {8, 1}, {32, 1}}), 0);
+  EXPECT_NEAR(crossing({{1, 2}, {2, 1}, {4, 4}}, {{1, 1}, {2, 2}, {4, 2}}).value(), std::sqrt(8), 1e-12);
+  EXPECT_FALSE(crossing({}, {}));
+}
+
+TEST(WorkReport, SaysFromWhichSizeOnAMethodIsFaster) {
+  const auto methods = [](int n, double rattle, double recursive, const Json& lagrangian) {
+    return Json{
+        {"scene", "chain"},
+        {"n", n},
+        {"method_step_times_s", {{"rattle", rattle}, {"recursive", recursive}, {"lagrangian", lagrangian}}}};
+  };
+  const BenchResults results{{"profiles", Json::array()},
+                             {"methods",
+                              {methods(2, 50e-6, 20e-6, 8e-6), methods(8, 200e-6, 80e-6, 512e-6),
+                               methods(32, 800e-6, 320e-6, nullptr)}}};
+  const std::string text = work_tables(results);
+  EXPECT_NE(text.find("| 8 | 0.2 ms | 0.08 ms | – | 0.512 ms | – |"), std::string::npos) << text;
+  EXPECT_NE(text.find("* recursive is faster than lagrangian from some 3 links on"), std::string::npos)
+      << text;
+  EXPECT_NE(text.find("* rattle is not faster than recursive at the last size"), std::string::npos) << text;
+}
+
 /// Before anything runs or an earlier result is written over.
 TEST(Bench, WhatWouldMeasureNothingIsRefused) {
   const std::string folder = temporary("bench_results");

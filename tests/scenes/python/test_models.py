@@ -136,6 +136,13 @@ def test_refused(tmp_path):
         with pytest.raises(taut.ModelError) as caught:
             read(odd)
         assert caught.value.file == str(odd) and caught.value.line == 2
+    two = tmp_path / "two.urdf"
+    two.write_text('<robot name="r">\n<link name="a"/>\n<joint name="b" type="slide"/>\n<joint name="c" type="hing"/>\n</robot>')
+    with pytest.raises(taut.ModelError) as caught:
+        taut.load_model(two)
+    problems = caught.value.problems
+    assert [(file, line) for file, line, message in problems] == [(str(two), 3), (str(two), 4)]
+    assert all(f"{two}:{line}: {message}" in str(caught.value) for _, line, message in problems)
     for text in ("", "<robot", "<html/>", "<mujoco><worldbody>" + 500 * "<body>"):
         odd.write_text(text)
         with pytest.raises(taut.ModelError):
