@@ -498,8 +498,8 @@ TEST(Events, ErrorLimitsWarnAndBreak) {
 }
 
 TEST(Events, ErrorLimitsAreNotReachedByMethodsThatCloseJoints) {
-  for (const Settings& settings :
-       {Settings{}, Settings{.integrator = Integrator::kForceEuler, .drift_cure = DriftCure::kPositionPush}}) {
+  for (const Settings& settings : {Settings{}, Settings{.integrator = Integrator::kForceEuler,
+                                               .drift_cure = DriftCure::kPositionPush}}) {
     Drifting d;
     Simulator simulator(d.world, settings);
     simulator.set_events(d.limits());
