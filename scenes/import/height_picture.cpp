@@ -27,7 +27,9 @@ struct PngFile {
   std::array<std::uint8_t, 256> reds;  ///< of a palette
 
   int channels() const { return colours == 2 ? 3 : colours == 4 ? 2 : colours == 6 ? 4 : 1; }
-  std::size_t bits_per_pixel() const { return static_cast<std::size_t>(channels() * bits); }
+  std::size_t bits_per_pixel() const {
+    return static_cast<std::size_t>(channels()) * static_cast<std::size_t>(bits);
+  }
   std::size_t row_bytes() const { return (static_cast<std::size_t>(width) * bits_per_pixel() + 7) / 8; }
 };
 
