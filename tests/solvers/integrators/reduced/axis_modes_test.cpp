@@ -10,23 +10,14 @@
 #include "core/world/diagnostics.h"
 #include "solvers/common/setting_checks.h"
 #include "solvers/simulator/simulator.h"
+#include "tests/solvers/integrators/reduced/reduced_runs.h"
 
 namespace taut::axis_modes_test {
 namespace {
 
-constexpr Integrator kAll[] = {Integrator::kRecursive, Integrator::kRecursiveMidpoint,
-                               Integrator::kLagrangian, Integrator::kLagrangianMidpoint};
-constexpr double kG = 9.81;
+using namespace testing;
 
-Settings settings_of(Integrator integrator) {
-  Settings settings;
-  settings.integrator = integrator;
-  settings.position_tolerance = 1e-12;
-  settings.velocity_tolerance = 1e-11;
-  settings.tension = TensionPolicy::kIgnore;
-  settings.max_rotation = 10;  // one step is one step
-  return settings;
-}
+constexpr double kG = 9.81;
 
 /// A body of 2 kg on a slider.
 struct OnSlider {
@@ -39,6 +30,10 @@ struct OnSlider {
     start = world.axis_value(way);
   }
   double moved() const { return world.axis_value(way) - start; }
+  /// Limits half a metre below where it starts, and a metre above.
+  void limit(double restitution) {
+    world.set_limits(way, AxisLimits{.lower = start - 0.5, .upper = start + 1, .restitution = restitution});
+  }
 
   World world;
   BodyId body;
@@ -49,11 +44,10 @@ struct OnSlider {
 
 /// Free fall is exact by these methods: what is left is how well impacts are located.
 TEST(AxisModes, ABodyBouncesAsInClosedForm) {
-  for (const Integrator integrator : kAll) {
+  for (const Integrator integrator : kReduced) {
     OnSlider it(Vec3::UnitZ());
-    it.world.set_limits(it.way,
-                        AxisLimits{.lower = it.start - 0.5, .upper = it.start + 1, .restitution = 0.8});
-    Simulator simulator(it.world, settings_of(integrator));
+    it.limit(0.8);
+    Simulator simulator(it.world, fine_settings(integrator));
     const double fall = std::sqrt(2 * 0.5 / kG);
     double struck = 0, time = 0, lost = 0;
     for (int i = 0; i < 100; ++i) {
@@ -76,11 +70,10 @@ TEST(AxisModes, ABodyBouncesAsInClosedForm) {
 
 /// Bounces of e = 0.5 follow each other faster and faster, up to 3 times the time of the fall.
 TEST(AxisModes, ABodyComesToRestOnItsLimit) {
-  for (const Integrator integrator : kAll) {
+  for (const Integrator integrator : kReduced) {
     OnSlider it(Vec3::UnitZ());
-    it.world.set_limits(it.way,
-                        AxisLimits{.lower = it.start - 0.5, .upper = it.start + 1, .restitution = 0.5});
-    Simulator simulator(it.world, settings_of(integrator));
+    it.limit(0.5);
+    Simulator simulator(it.world, fine_settings(integrator));
     const double end = 3 * std::sqrt(2 * 0.5 / kG);  // 0.958 s
     for (int i = 0; i < 94; ++i) ASSERT_TRUE(simulator.step(0.01).exact()) << simulator.report().message;
     EXPECT_LT(0.94, end);
@@ -97,7 +90,7 @@ TEST(AxisModes, ABodyComesToRestOnItsLimit) {
 /// It stops after v m/τ, and stays to the last bits until what pulls is more than static friction; then
 /// m ẍ = F − τ_d.
 TEST(AxisModes, FrictionStopsHoldsAndLetsGoAsInClosedForm) {
-  for (const Integrator integrator : kAll) {
+  for (const Integrator integrator : kReduced) {
     OnSlider it(Vec3::UnitX(), 3.01);  // for 1.204 s
     it.world.set_friction(it.way, AxisFriction{.static_friction = 8, .dynamic_friction = 5});
     it.world.add_force(ForceCallback(
@@ -105,7 +98,7 @@ TEST(AxisModes, FrictionStopsHoldsAndLetsGoAsInClosedForm) {
           wrenches[body.index].force.x() += std::max(0.0, 10 * (state.time - 2));
         },
         false));
-    Simulator simulator(it.world, settings_of(integrator));
+    Simulator simulator(it.world, fine_settings(integrator));
     double friction = 0;
     for (int i = 0; i < 150; ++i) {
       ASSERT_TRUE(simulator.step(0.01).exact()) << simulator.report().message;
@@ -129,10 +122,10 @@ TEST(AxisModes, FrictionStopsHoldsAndLetsGoAsInClosedForm) {
 
 /// α = τ/I up to the target, which is kept then, with the force that gravity asks for.
 TEST(AxisModes, AMotorSpeedsUpAndKeepsItsTarget) {
-  for (const Integrator integrator : kAll) {
+  for (const Integrator integrator : kReduced) {
     OnSlider it(Vec3::UnitZ());
     it.world.set_motor(it.way, AxisMotor{.target = 0.7, .max_force = 2 * (kG + 1)});
-    Simulator simulator(it.world, settings_of(integrator));
+    Simulator simulator(it.world, fine_settings(integrator));
     double work = 0;
     for (int i = 0; i < 100; ++i) {
       ASSERT_TRUE(simulator.step(0.0101).exact()) << simulator.report().message;
@@ -186,17 +179,8 @@ World busy_arm() {
   return world;
 }
 
-double distance(const World& a, const World& b) {
-  double most = 0;
-  for (int i = 1; i < a.body_count(); ++i) most = std::max(most, (a.pose({i}).p - b.pose({i}).p).norm());
-  return most;
-}
-
 World after(World world, Integrator integrator, double time, int steps) {
-  Simulator simulator(world, settings_of(integrator));
-  for (int i = 0; i < steps; ++i)
-    EXPECT_TRUE(simulator.step(time / steps).exact())
-        << int(integrator) << ", step " << i << ": " << simulator.report().message;
+  run(world, fine_settings(integrator), time, steps);
   return world;
 }
 
@@ -229,12 +213,12 @@ TEST(AxisModes, AsRattle) {
 
 /// Law of each step: limits and friction take energy, what motors give is theirs, and the ledger adds up.
 TEST(AxisModes, NothingGainsEnergy) {
-  for (const Integrator integrator : kAll) {
+  for (const Integrator integrator : kReduced) {
     World world = arm();
     for (int k = 0; k < 4; ++k)
       world.set_limits(angle(world, k), AxisLimits{.lower = -0.2, .upper = 0.25, .restitution = 0.3 * k});
     world.set_friction(angle(world, 2), AxisFriction{.static_friction = 0.2, .dynamic_friction = 0.1});
-    Simulator simulator(world, settings_of(integrator));
+    Simulator simulator(world, fine_settings(integrator));
     const bool midpoint =
         integrator == Integrator::kRecursiveMidpoint || integrator == Integrator::kLagrangianMidpoint;
     int impacts = 0;
@@ -259,13 +243,13 @@ TEST(AxisModes, NothingGainsEnergy) {
 
 /// The whole arm swings on its first hinge; those that friction holds do not turn by a bit of what is closed.
 TEST(AxisModes, WhatFrictionHoldsStays) {
-  for (const Integrator integrator : kAll) {
+  for (const Integrator integrator : kReduced) {
     World world = arm();
     for (int k = 1; k < 4; ++k)
       world.set_friction(angle(world, k), AxisFriction{.static_friction = 500, .dynamic_friction = 400});
     double angles[4];
     for (int k = 0; k < 4; ++k) angles[k] = world.axis_value(angle(world, k));
-    Simulator simulator(world, settings_of(integrator));
+    Simulator simulator(world, fine_settings(integrator));
     for (int i = 0; i < 400; ++i) {
       ASSERT_TRUE(simulator.step(0.005).exact()) << simulator.report().message;
       for (int k = 1; k < 4; ++k) EXPECT_NEAR(world.axis_value(angle(world, k)), angles[k], 1e-12);
@@ -289,7 +273,7 @@ TEST(AxisModes, FrictionHoldsALoop) {
     world.set_friction(world.axis(hinge, "angle"), AxisFriction{.static_friction = 3, .dynamic_friction = 2});
   }
   const World start = world;
-  Simulator simulator(world, settings_of(Integrator::kRecursive));
+  Simulator simulator(world, fine_settings(Integrator::kRecursive));
   for (int i = 0; i < 100; ++i) ASSERT_TRUE(simulator.step(0.01).exact()) << simulator.report().message;
   EXPECT_LE(distance(world, start), 1e-11);
   // With less it moves, and friction takes what is lost.
@@ -308,23 +292,8 @@ TEST(AxisModes, FrictionHoldsALoop) {
 }
 
 TEST(AxisModes, GoOnFromACheckpointWithTheSameBits) {
-  for (const Integrator integrator : kAll) {
-    World whole = busy_arm(), first = busy_arm(), second = busy_arm();
-    Simulator uninterrupted(whole, settings_of(integrator)), before(first, settings_of(integrator)),
-        after(second, settings_of(integrator));
-    for (int i = 0; i < 150; ++i) {
-      ASSERT_TRUE(uninterrupted.step(0.004).exact());
-      if (i < 75) {
-        ASSERT_TRUE(before.step(0.004).exact());
-      }
-    }
-    after.restore(before.checkpoint());
-    for (int i = 75; i < 150; ++i) ASSERT_TRUE(after.step(0.004).exact());
-    for (int b = 1; b < whole.body_count(); ++b) {
-      EXPECT_EQ(whole.pose({b}).p, second.pose({b}).p);
-      EXPECT_EQ(whole.twist({b}).w, second.twist({b}).w);
-    }
-  }
+  for (const Integrator integrator : kReduced)
+    expect_checkpoints_keep_bits(busy_arm, fine_settings(integrator), 0.004, 150);
 }
 
 }  // namespace

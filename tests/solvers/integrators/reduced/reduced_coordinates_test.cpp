@@ -12,22 +12,12 @@
 #include "scenes/builders/scene.h"
 #include "solvers/simulator/simulator.h"
 #include "tests/core/random_state.h"
+#include "tests/solvers/integrators/reduced/reduced_runs.h"
 
 namespace taut::reduced_coordinates_test {
 namespace {
 
-constexpr Integrator kAll[] = {Integrator::kRecursive, Integrator::kRecursiveMidpoint,
-                               Integrator::kLagrangian, Integrator::kLagrangianMidpoint};
-
-Settings settings_of(Integrator integrator) {
-  Settings settings;
-  settings.integrator = integrator;
-  settings.position_tolerance = 1e-12;
-  settings.velocity_tolerance = 1e-11;
-  settings.tension = TensionPolicy::kIgnore;
-  settings.max_rotation = 10;  // one step is one step
-  return settings;
-}
+using namespace testing;
 
 MassProperties uneven_mass(double mass = 1) {
   return MassProperties(mass, Vec3(mass * Vec3(0.04, 0.09, 0.11)));
@@ -52,47 +42,25 @@ World double_pendulum() {
   return world;
 }
 
-void run(World& world, const Settings& settings, double time, int steps) {
-  Simulator simulator(world, settings);
-  for (int i = 0; i < steps; ++i)
-    ASSERT_TRUE(simulator.step(time / steps).exact()) << simulator.report().message;
-}
-
-double distance(const World& a, const World& b) {
-  double most = 0;
-  for (int i = 1; i < a.body_count(); ++i) {
-    most = std::max(most, (a.pose({i}).p - b.pose({i}).p).norm());
-    most = std::max(most, log_so3(a.pose({i}).q * b.pose({i}).q.conjugate()).norm());
-  }
-  return most;
-}
-
-double order_of(const World& start, Integrator integrator, const World& truth, double time, int steps) {
-  double errors[2];
-  for (int k : {0, 1}) {
-    World world = start;
-    run(world, settings_of(integrator), time, steps << k);
-    errors[k] = distance(world, truth);
-  }
-  EXPECT_LE(errors[0], 0.05);
-  return std::log2(errors[0] / errors[1]);
-}
-
 /// RATTLE of order 8 is another formulation; at 2.5 ms its error is round-off.
 TEST(ReducedCoordinates, HaveTheirOrders) {
   World truth = double_pendulum();
-  run(truth, settings_of(Integrator::kRattle8), 1, 400);
-  EXPECT_NEAR(order_of(double_pendulum(), Integrator::kRecursive, truth, 1, 100), 4, 0.15);
-  EXPECT_NEAR(order_of(double_pendulum(), Integrator::kLagrangian, truth, 1, 100), 4, 0.15);
-  EXPECT_NEAR(order_of(double_pendulum(), Integrator::kRecursiveMidpoint, truth, 1, 100), 2, 0.05);
-  EXPECT_NEAR(order_of(double_pendulum(), Integrator::kLagrangianMidpoint, truth, 1, 100), 2, 0.05);
+  run(truth, fine_settings(Integrator::kRattle8), 1, 400);
+  EXPECT_NEAR(order_towards(truth, double_pendulum(), fine_settings(Integrator::kRecursive), 1, 100), 4,
+              0.15);
+  EXPECT_NEAR(order_towards(truth, double_pendulum(), fine_settings(Integrator::kLagrangian), 1, 100), 4,
+              0.15);
+  EXPECT_NEAR(order_towards(truth, double_pendulum(), fine_settings(Integrator::kRecursiveMidpoint), 1, 100),
+              2, 0.05);
+  EXPECT_NEAR(order_towards(truth, double_pendulum(), fine_settings(Integrator::kLagrangianMidpoint), 1, 100),
+              2, 0.05);
 }
 
 /// The same accelerations, to round-off that the pendulum has made larger.
 TEST(ReducedCoordinates, RecursionAndLagrangeGoTheSameWay) {
   World recursive = double_pendulum(), lagrangian = double_pendulum();
-  run(recursive, settings_of(Integrator::kRecursive), 1, 100);
-  run(lagrangian, settings_of(Integrator::kLagrangian), 1, 100);
+  run(recursive, fine_settings(Integrator::kRecursive), 1, 100);
+  run(lagrangian, fine_settings(Integrator::kLagrangian), 1, 100);
   EXPECT_LE(distance(recursive, lagrangian), 1e-11);
 }
 
@@ -124,7 +92,7 @@ TEST(ReducedCoordinates, AChainStaysClosed) {
 /// Runge–Kutta of the same order would go one way.
 TEST(ReducedCoordinates, TheMidpointRuleKeepsEnergyBounded) {
   World world = double_pendulum();
-  Simulator simulator(world, settings_of(Integrator::kRecursiveMidpoint));
+  Simulator simulator(world, fine_settings(Integrator::kRecursiveMidpoint));
   const double start = total_energy(world, world.state());
   double early = 0, late = 0;
   for (int i = 0; i < 10000; ++i) {
@@ -142,18 +110,18 @@ TEST(ReducedCoordinates, TheMidpointRuleIsReversible) {
   for (const Integrator integrator : {Integrator::kRecursiveMidpoint, Integrator::kLagrangianMidpoint}) {
     const World start = double_pendulum();
     World world = start;
-    run(world, settings_of(integrator), 2, 100);
+    run(world, fine_settings(integrator), 2, 100);
     EXPECT_GT(distance(world, start), 0.1);
     for (int b = 1; b < world.body_count(); ++b)
       world.set_twist({b}, {-world.twist({b}).w, -world.twist({b}).v});
-    run(world, settings_of(integrator), 2, 100);
+    run(world, fine_settings(integrator), 2, 100);
     EXPECT_LE(distance(world, start), 1e-9);  // 200 steps to 1e-13, which the pendulum makes larger
   }
 }
 
 /// m ẍ = −k (x − x₀) − c ẋ − d ẋ, as e^{−δt} (cos ωt + δ/ω sin ωt).
 TEST(ReducedCoordinates, SpringsAndDampersAsInClosedForm) {
-  for (const Integrator integrator : kAll) {
+  for (const Integrator integrator : kReduced) {
     World world;
     world.set_gravity(Vec3::Zero());
     const BodyId body = world.add_body({.mass = uneven_mass(2), .pose = {.p = {1, 0, 0}}});
@@ -162,7 +130,7 @@ TEST(ReducedCoordinates, SpringsAndDampersAsInClosedForm) {
     const AxisId axis = world.axis(slider, "displacement");
     world.set_spring(axis, AxisSpring{.stiffness = 50, .damping = 0.7, .rest = 0.3});
     world.set_friction(axis, AxisFriction{.viscous = 0.5});
-    Simulator simulator(world, settings_of(integrator));
+    Simulator simulator(world, fine_settings(integrator));
     double work = 0;
     for (int i = 0; i < 400; ++i) {
       ASSERT_TRUE(simulator.step(0.0025).exact());
@@ -198,10 +166,10 @@ World servo_arm() {
 
 TEST(ReducedCoordinates, ServosSoftLimitsAndSpringsAsRattle) {
   World truth = servo_arm();
-  run(truth, settings_of(Integrator::kRattle), 1, 20000);
+  run(truth, fine_settings(Integrator::kRattle), 1, 20000);
   World world = servo_arm();
   const AxisId angle = world.axis(world.joint("hinge"), "angle");
-  Simulator simulator(world, settings_of(Integrator::kRecursive));
+  Simulator simulator(world, fine_settings(Integrator::kRecursive));
   bool saturated = false, beyond = false;
   for (int i = 0; i < 1000; ++i) {
     ASSERT_TRUE(simulator.step(0.001).exact());
@@ -216,7 +184,7 @@ TEST(ReducedCoordinates, ServosSoftLimitsAndSpringsAsRattle) {
 TEST(ReducedCoordinates, ReactionsAsThoseOfRattle) {
   const auto reactions_of = [](Integrator integrator) {
     World world = double_pendulum();
-    Simulator simulator(world, settings_of(integrator));
+    Simulator simulator(world, fine_settings(integrator));
     for (int i = 0; i < 1000; ++i) EXPECT_TRUE(simulator.step(2e-4).exact());
     std::vector<Reaction> reactions;
     for (const char* name : {"ball", "hinge"}) {
@@ -226,7 +194,7 @@ TEST(ReducedCoordinates, ReactionsAsThoseOfRattle) {
     return reactions;
   };
   const std::vector<Reaction> truth = reactions_of(Integrator::kRattle);
-  for (const Integrator integrator : kAll) {
+  for (const Integrator integrator : kReduced) {
     const std::vector<Reaction> found = reactions_of(integrator);
     for (std::size_t i = 0; i < truth.size(); ++i) {
       EXPECT_LE((found[i].force - truth[i].force).norm(), 1e-5) << i;
@@ -246,9 +214,9 @@ World driven() {
 
 TEST(ReducedCoordinates, DriversMoveTheirAxesAndDoTheirWork) {
   World truth = driven();
-  run(truth, settings_of(Integrator::kRattle8), 1, 400);
+  run(truth, fine_settings(Integrator::kRattle8), 1, 400);
   World world = driven();
-  Simulator simulator(world, settings_of(Integrator::kRecursive));
+  Simulator simulator(world, fine_settings(Integrator::kRecursive));
   ASSERT_TRUE(simulator.step(0.001).exact()) << simulator.report().message;
   double drivers = 0, unexplained = 0;
   const double start = total_energy(world, world.state());
@@ -282,7 +250,7 @@ TEST(ReducedCoordinates, AFloatingBaseKeepsItsMomenta) {
         last = next;
       }
       Simulator simulator(world,
-                          settings_of(midpoint ? Integrator::kRecursiveMidpoint : Integrator::kRecursive));
+                          fine_settings(midpoint ? Integrator::kRecursiveMidpoint : Integrator::kRecursive));
       EXPECT_TRUE(simulator.step(1e-9).exact());  // what the joints forbid is gone
       const Vec3 P = simulator.report().linear_momentum, L = simulator.report().angular_momentum;
       EXPECT_GT(P.norm() + L.norm(), 0.3);
@@ -301,7 +269,8 @@ TEST(ReducedCoordinates, StartsFromForbiddenVelocities) {
   World truth = double_pendulum();
   truth.set_twist(truth.body("b"), {Vec3(1, 2, 3), Vec3(-1, 0, 2)});
   World world = truth;
-  Simulator one(truth, settings_of(Integrator::kRattle8)), other(world, settings_of(Integrator::kRecursive));
+  Simulator one(truth, fine_settings(Integrator::kRattle8)),
+      other(world, fine_settings(Integrator::kRecursive));
   ASSERT_TRUE(one.step(1e-3).exact());
   ASSERT_TRUE(other.step(1e-3).exact());
   EXPECT_LE(distance(world, truth), 1e-10);
@@ -310,9 +279,9 @@ TEST(ReducedCoordinates, StartsFromForbiddenVelocities) {
 }
 
 std::string refusal(const World& world, bool contacts = false) {
-  for (const Integrator integrator : kAll) {
+  for (const Integrator integrator : kReduced) {
     World copy = world;
-    Settings settings = settings_of(integrator);
+    Settings settings = fine_settings(integrator);
     settings.contacts = contacts;
     try {
       Simulator simulator(copy, settings);
@@ -358,30 +327,18 @@ TEST(ReducedCoordinates, RefuseByNameWhatTheyDoNotHave) {
 }
 
 TEST(ReducedCoordinates, GoOnFromACheckpointWithTheSameBits) {
-  for (const Integrator integrator : kAll) {
-    World whole = driven(), first = driven(), second = driven();
-    for (World* world : {&whole, &first, &second})
-      world->set_spring(world->axis(world->joint("hinge"), "angle"),
-                        AxisSpring{.stiffness = 2, .damping = 0.1});
-    Simulator uninterrupted(whole, settings_of(integrator)), before(first, settings_of(integrator)),
-        after(second, settings_of(integrator));
-    for (int i = 0; i < 20; ++i) {
-      ASSERT_TRUE(uninterrupted.step(0.003).exact());
-      if (i < 10) {
-        EXPECT_TRUE(before.step(0.003).exact());
-      }
-    }
-    after.restore(before.checkpoint());
-    for (int i = 10; i < 20; ++i) ASSERT_TRUE(after.step(0.003).exact());
-    for (int b = 1; b < whole.body_count(); ++b) {
-      EXPECT_EQ(whole.pose({b}).p, second.pose({b}).p);
-      EXPECT_EQ(whole.pose({b}).q.coeffs(), second.pose({b}).q.coeffs());
-      EXPECT_EQ(whole.twist({b}).w, second.twist({b}).w);
-      EXPECT_EQ(whole.twist({b}).v, second.twist({b}).v);
-    }
-    EXPECT_EQ(uninterrupted.mean_reaction(whole.joint("ball")).force,
-              after.mean_reaction(second.joint("ball")).force);
-  }
+  const auto sprung = [] {
+    World world = driven();
+    world.set_spring(world.axis(world.joint("hinge"), "angle"), AxisSpring{.stiffness = 2, .damping = 0.1});
+    return world;
+  };
+  for (const Integrator integrator : kReduced)
+    expect_checkpoints_keep_bits(
+        sprung, fine_settings(integrator), 0.003, 20,
+        [](const World& whole, Simulator& uninterrupted, const World& second, Simulator& after) {
+          EXPECT_EQ(uninterrupted.mean_reaction(whole.joint("ball")).force,
+                    after.mean_reaction(second.joint("ball")).force);
+        });
 }
 
 /// The fixed point contracts for h ω/2 < 1 only: a step that is longer fails with a status, and leaves the
@@ -391,7 +348,7 @@ TEST(ReducedCoordinates, AMidpointThatDoesNotContractIsAStatus) {
   const BodyId body = world.add_body({.mass = uneven_mass(), .pose = {.p = {1, 0, 0}}});
   const JointId slider = world.add("slider", Slider::at(world, kGround, body, Vec3::UnitX(), Vec3::UnitX()));
   world.set_spring(world.axis(slider, "displacement"), AxisSpring{.stiffness = 1e8, .rest = 0.1});
-  Settings settings = settings_of(Integrator::kRecursiveMidpoint);
+  Settings settings = fine_settings(Integrator::kRecursiveMidpoint);
   settings.max_substeps = 4;
   Simulator simulator(world, settings);
   EXPECT_EQ(simulator.step(0.01).status, Status::kNotConverged);
@@ -405,14 +362,14 @@ TEST(ReducedCoordinates, AMidpointThatDoesNotContractIsAStatus) {
 
 /// A force that is not finite, and a pose far from closed.
 TEST(ReducedCoordinates, BadForcesAndPosesAreStatuses) {
-  for (const Integrator integrator : kAll) {
+  for (const Integrator integrator : kReduced) {
     World world = double_pendulum();
     world.add_force(ForceCallback(
         [](const State& state, std::span<Wrench> wrenches) {
           if (state.time > 0.02) wrenches[1].force.x() = std::nan("");
         },
         false));
-    Simulator simulator(world, settings_of(integrator));
+    Simulator simulator(world, fine_settings(integrator));
     EXPECT_TRUE(simulator.step(0.01).exact());
     EXPECT_FALSE(simulator.step(0.1).ok());
     EXPECT_EQ(simulator.report().status, Status::kNotFinite);
@@ -420,7 +377,7 @@ TEST(ReducedCoordinates, BadForcesAndPosesAreStatuses) {
 
     World open = double_pendulum();
     open.set_pose(open.body("b"), {.q = exp_so3(Vec3(2, 0.3, 0)), .p = {-3, 2, 1}});
-    Simulator closing(open, settings_of(integrator));
+    Simulator closing(open, fine_settings(integrator));
     EXPECT_TRUE(closing.step(1e-3).exact()) << closing.report().message;
     EXPECT_LE(closing.report().gap.metres, 1e-10);
   }

@@ -132,21 +132,25 @@ void expect_equal(const std::vector<Twist>& a, const std::vector<Twist>& b, doub
   }
 }
 
+/// Accelerations and λ by both methods.
+void expect_as_by_multipliers(const World& world, double tolerance) {
+  Tree tree(world);
+  std::vector<double> lambda;
+  const std::vector<Twist> reference = by_multipliers(world, lambda);
+  double largest = 1;
+  for (double l : lambda) largest = std::max(largest, std::abs(l));
+  for (const auto method : {TreeDynamics::Method::kRecursive, TreeDynamics::Method::kLagrangian}) {
+    expect_equal(tree.accelerations(method), reference, tolerance);
+    ASSERT_EQ(tree.lambda.size(), lambda.size());
+    for (std::size_t r = 0; r < lambda.size(); ++r)
+      EXPECT_NEAR(tree.lambda[r], lambda[r], tolerance * largest) << "row " << r;
+  }
+}
+
 TEST(TreeDynamics, RecursionLagrangeAndMultipliersAgree) {
   for (unsigned seed = 0; seed < 30; ++seed) {
     const World world = random_tree(seed, 12);
-    Tree tree(world);
-    std::vector<double> lambda;
-    const std::vector<Twist> reference = by_multipliers(world, lambda);
-    double largest = 1;
-    for (double l : lambda) largest = std::max(largest, std::abs(l));
-    for (const auto method : {TreeDynamics::Method::kRecursive, TreeDynamics::Method::kLagrangian}) {
-      // Round-off times the condition of random lever arms.
-      expect_equal(tree.accelerations(method), reference, 1e-9);
-      ASSERT_EQ(tree.lambda.size(), lambda.size());
-      for (std::size_t r = 0; r < lambda.size(); ++r)
-        EXPECT_NEAR(tree.lambda[r], lambda[r], 1e-9 * largest) << "row " << r;
-    }
+    expect_as_by_multipliers(world, 1e-9);  // round-off times the condition of random lever arms
   }
 }
 
@@ -213,17 +217,7 @@ TEST(TreeDynamics, LoopsAsByMultipliers) {
         if (world.axis_info({{j}, k}).name == "angle") angles.push_back({{j}, k});
     ASSERT_GE(angles.size(), 2u);
     world.add("", Gear(world, angles[0], angles[1], 1.7));
-    Tree tree(world);
-    std::vector<double> lambda;
-    const std::vector<Twist> reference = by_multipliers(world, lambda);
-    double largest = 1;
-    for (double l : lambda) largest = std::max(largest, std::abs(l));
-    for (const auto method : {TreeDynamics::Method::kRecursive, TreeDynamics::Method::kLagrangian}) {
-      expect_equal(tree.accelerations(method), reference, 1e-7);
-      ASSERT_EQ(tree.lambda.size(), lambda.size());
-      for (std::size_t r = 0; r < lambda.size(); ++r)
-        EXPECT_NEAR(tree.lambda[r], lambda[r], 1e-7 * largest) << "row " << r;
-    }
+    expect_as_by_multipliers(world, 1e-7);
   }
 }
 
