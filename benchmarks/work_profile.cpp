@@ -14,7 +14,6 @@
 #include <numeric>
 #include <random>
 #include <stdexcept>
-#include <string_view>
 #include <thread>
 #include <vector>
 
@@ -24,6 +23,7 @@
 #include "core/base/thread_pool.h"
 #include "core/world/diagnostics.h"
 #include "scenes/builders/scene.h"
+#include "solvers/common/setting_checks.h"
 #include "solvers/common/setting_names.h"
 #include "solvers/linear/block_ordering.h"
 #include "solvers/linear/multifrontal_factor.h"
@@ -218,14 +218,12 @@ Json motion_json(Scene& scene, double time, double limit) {
 Json methods_json(const std::string& name, const std::map<std::string, double>& parameters, double limit) {
   constexpr int kLeastSteps = 3, kMostSteps = 200;  // the first is not counted
   Json times;
-  for (const char* method :
-       {"rattle", "recursive", "recursive-midpoint", "lagrangian", "lagrangian-midpoint"}) {
-    const auto its_name = [&](const auto& entry) { return entry.first == std::string_view(method); };
-    const auto integrator = std::find_if(std::begin(kIntegratorNames), std::end(kIntegratorNames), its_name);
+  for (const auto& [method, integrator] : kIntegratorNames) {
+    if (integrator != Integrator::kRattle && !is_reduced(integrator)) continue;
     Scene scene = build_scene(name, parameters);
     Json& time = times[method];
     try {
-      Simulator simulator(scene.world, {.integrator = integrator->second, .contacts = false, .threads = 1});
+      Simulator simulator(scene.world, {.integrator = integrator, .contacts = false, .threads = 1});
       std::vector<double> steps;
       double spent = 0;
       while (std::ssize(steps) < kLeastSteps || (std::ssize(steps) < kMostSteps && spent < limit)) {

@@ -183,4 +183,14 @@ std::string name_here(std::string_view given, const std::vector<std::string>& kn
   return entry ? entry->here : "";
 }
 
+bool are_synonyms(std::string_view one, std::string_view other) {
+  return std::ranges::any_of(synonyms(), [&](const Synonyms& entry) {
+    const auto is_its_name = [&](std::string_view name) {
+      return name == entry.here ||
+             std::ranges::find(entry.elsewhere, without_marks(name)) != entry.elsewhere.end();
+    };
+    return is_its_name(one) && is_its_name(other);
+  });
+}
+
 }  // namespace taut

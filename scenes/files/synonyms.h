@@ -13,5 +13,7 @@ namespace taut {
 std::string called_here(std::string_view given, const std::vector<std::string>& known, bool is_list = false);
 /// That other one of the known names; "" if there is none.
 std::string name_here(std::string_view given, const std::vector<std::string>& known);
+/// Both are names of one thing, of which one may be its name here.
+bool are_synonyms(std::string_view one, std::string_view other);
 
 }  // namespace taut

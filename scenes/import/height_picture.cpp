@@ -135,8 +135,7 @@ HeightPicture read_png(std::string_view bytes) {
 }
 
 std::string read_named_file(const std::filesystem::path& folder, std::string_view name) {
-  const std::filesystem::path path = find_mesh(folder, name);
-  if (path.empty()) fail("height field", "there is no such file", std::string(name.substr(0, 200)));
+  const std::filesystem::path path = find_asset("height field", folder, name);
   try {
     return read_text_file(path);
   } catch (const SceneFileError& error) {

@@ -7,7 +7,9 @@
 
 namespace taut::model {
 
-std::filesystem::path find_mesh(const std::filesystem::path& folder, std::string_view name) {
+std::filesystem::path find_asset(const char* what, const std::filesystem::path& folder,
+                                 std::string_view name) {
+  const auto none = [what, name] { fail(what, "there is no such file", std::string(name.substr(0, 200))); };
   std::error_code error;
   for (std::string_view scheme : {"package://", "model://"}) {
     if (!name.starts_with(scheme)) continue;
@@ -15,17 +17,16 @@ std::filesystem::path find_mesh(const std::filesystem::path& folder, std::string
     std::filesystem::path above = std::filesystem::absolute(folder, error);
     for (int i = 0; i < 100; ++i, above = above.parent_path())
       if (std::filesystem::is_regular_file(above / rest, error)) return above / rest;
-    return {};
+    none();
   }
   if (name.starts_with("file://")) name.remove_prefix(7);
   const std::filesystem::path path = folder / name;
-  return std::filesystem::is_regular_file(path, error) ? path : std::filesystem::path();
+  if (!std::filesystem::is_regular_file(path, error)) none();
+  return path;
 }
 
 TriangleMesh scaled_mesh(const std::filesystem::path& folder, std::string_view name, const Vec3& scale) {
-  const std::filesystem::path path = find_mesh(folder, name);
-  if (path.empty()) fail("mesh", "there is no such file", std::string(name.substr(0, 200)));
-  TriangleMesh mesh = read_mesh(path.string());
+  TriangleMesh mesh = read_mesh(find_asset("mesh", folder, name).string());
   for (Vec3& point : mesh.vertices) point = point.cwiseProduct(scale);
   if (scale.prod() < 0)
     for (auto& triangle : mesh.triangles) std::swap(triangle[0], triangle[1]);

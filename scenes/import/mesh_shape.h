@@ -8,8 +8,10 @@
 namespace taut::model {
 
 /// Where the file is that a model names: beside `folder`, or for package://NAME/REST and model://NAME/REST in
-/// a folder NAME above it; empty: nowhere.
-std::filesystem::path find_mesh(const std::filesystem::path& folder, std::string_view name);
+/// a folder NAME above it.
+/// @throws std::invalid_argument if it is nowhere; `what` is to be in it.
+std::filesystem::path find_asset(const char* what, const std::filesystem::path& folder,
+                                 std::string_view name);
 
 /// A mesh file, with its coordinates scaled; a scale that mirrors turns the triangles round.
 /// @throws std::invalid_argument if there is no such file, or it is neither OBJ nor STL.

@@ -22,7 +22,12 @@ struct MjcfCompiler {
   bool balance_inertia = false;
   double bound_mass = 0, bound_inertia = 0, total_mass = -1;
   bool strip_path = false;
-  std::string mesh_folder;
+  std::filesystem::path mesh_folder;
+
+  /// Where a mesh or a height field is that names this file, from the folder of the model.
+  std::string asset(const std::filesystem::path& file) const {
+    return (mesh_folder / (strip_path ? file.filename() : file)).string();
+  }
 };
 MjcfCompiler read_compiler(XmlFiles& files, const pugi::xml_node& mujoco);
 

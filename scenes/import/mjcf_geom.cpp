@@ -79,11 +79,7 @@ LinkInertia weight(const MjcfElement& geom, const LinkShape& shape, const LinkIn
 TriangleMesh triangles_of(const MjcfElement& mesh, const MjcfCompiler& compiler) {
   const Vec3 scale = mesh.vector("scale", Vec3::Ones());
   const std::filesystem::path file(mesh.text("file"));
-  if (!file.empty()) {
-    const std::filesystem::path in_folder =
-        std::filesystem::path(compiler.mesh_folder) / (compiler.strip_path ? file.filename() : file);
-    return scaled_mesh(mesh.files().folder(mesh.node()), in_folder.string(), scale);
-  }
+  if (!file.empty()) return scaled_mesh(mesh.files().folder(mesh.node()), compiler.asset(file), scale);
   const std::vector<double> v = mesh.numbers("vertex"), corners = mesh.numbers("face");
   if (v.empty())
     fail("mesh", "has neither file nor vertices", mesh.text("builtin", mesh.text("name").c_str()));

@@ -1,7 +1,6 @@
 #include "scenes/import/mjcf_hfield.h"
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <cstdint>
 #include <cstring>
@@ -9,6 +8,7 @@
 
 #include "core/base/check.h"
 #include "scenes/import/height_picture.h"
+#include "scenes/support/file_ending.h"
 
 namespace taut::model {
 namespace {
@@ -44,12 +44,9 @@ Elevations read_binary_field(std::string_view bytes) {
 /// A picture counts with 8 bits, its first row at +y.
 Elevations read_field_file(const MjcfElement& hfield, const MjcfCompiler& compiler) {
   const std::filesystem::path file(hfield.text("file"));
-  const std::filesystem::path in_folder =
-      std::filesystem::path(compiler.mesh_folder) / (compiler.strip_path ? file.filename() : file);
-  const std::string bytes = read_named_file(hfield.files().folder(hfield.node()), in_folder.string());
-  std::string ending = file.extension().string();
-  std::ranges::transform(ending, ending.begin(), [](unsigned char c) { return std::tolower(c); });
-  if (ending != ".png" && hfield.text("content_type") != "image/png") return read_binary_field(bytes);
+  const std::string bytes = read_named_file(hfield.files().folder(hfield.node()), compiler.asset(file));
+  if (ending_of(file) != ".png" && hfield.text("content_type") != "image/png")
+    return read_binary_field(bytes);
   HeightPicture picture = read_png(bytes);
   if (picture.bits == 16)
     for (double& value : picture.values) value = std::floor(value * 65535 / 256);

@@ -1,7 +1,9 @@
 #pragma once
 
+#include <algorithm>
 #include <stdexcept>
 #include <string>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -31,6 +33,17 @@ struct ImportNotice {
 
 /// Problems of a model that are told at once.
 inline constexpr std::size_t kMostProblems = 20;
+/// Problems in the order of their places; where they are more than are told, the last stands for the rest.
+inline std::vector<ImportNotice> in_order(std::vector<ImportNotice> problems) {
+  std::ranges::stable_sort(problems, [](const ImportNotice& a, const ImportNotice& b) {
+    return std::tie(a.place.file, a.place.line) < std::tie(b.place.file, b.place.line);
+  });
+  if (problems.size() > kMostProblems) {
+    problems[kMostProblems - 1].count = static_cast<int>(problems.size() - kMostProblems) + 1;
+    problems.resize(kMostProblems);
+  }
+  return problems;
+}
 
 /// A model file that cannot be a scene.  what() has a line for each problem that was found, which begins with
 /// file and line; not all that there are need to be found at once.

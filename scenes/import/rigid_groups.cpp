@@ -33,7 +33,7 @@ class Fusion {
       balance(root, members);
       choose(root, members);
     }
-    if (!problems_.empty()) throw_first_problems();
+    if (!problems_.empty()) throw ImportError(in_order(std::move(problems_)));
     for (const auto& [root, members] : groups) move_joint(root, members);
     for (int i = 0; i < static_cast<int>(into_.size()); ++i)
       if (into_[i] != i) fuse(i, into_[i]);
@@ -194,17 +194,6 @@ class Fusion {
       for (LinkFrame& point : wire.points) index(point.link);
     for (ModelProbe& probe : model_.probes) index(probe.at.link);
     for_each_index(index);
-  }
-
-  [[noreturn]] void throw_first_problems() {
-    std::ranges::stable_sort(problems_, [](const ImportNotice& a, const ImportNotice& b) {
-      return std::tie(a.place.file, a.place.line) < std::tie(b.place.file, b.place.line);
-    });
-    if (problems_.size() > kMostProblems) {
-      problems_[kMostProblems - 1].count = static_cast<int>(problems_.size() - kMostProblems) + 1;
-      problems_.resize(kMostProblems);
-    }
-    throw ImportError(std::move(problems_));
   }
 
   RobotModel& model_;

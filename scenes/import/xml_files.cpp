@@ -4,7 +4,6 @@
 #include <charconv>
 #include <cmath>
 #include <set>
-#include <tuple>
 #include <utility>
 
 #include "scenes/files/scene_file.h"
@@ -246,10 +245,7 @@ const char* XmlFiles::required(const pugi::xml_node& node, const char* attribute
 
 void XmlFiles::throw_problems() {
   if (problems_.empty()) return;
-  std::ranges::stable_sort(problems_, [](const ImportNotice& a, const ImportNotice& b) {
-    return std::tie(a.place.file, a.place.line) < std::tie(b.place.file, b.place.line);
-  });
-  throw ImportError(std::exchange(problems_, {}));
+  throw ImportError(in_order(std::exchange(problems_, {})));
 }
 
 void XmlFiles::give_up() {

@@ -71,18 +71,9 @@ Quat from_rpy(const Vec3& rpy) {
 }
 
 std::string meant_type(const std::string& given, const std::vector<std::string>& types) {
-  constexpr const char* kTypes[] = {"hinge",     "slider",        "ball",        "fixed",   "box",
-                                    "sphere",    "cylinder",      "half_space",  "six_dof", "capsule",
-                                    "ellipsoid", "triangle_mesh", "height_field"};
   if (std::string meant = did_you_mean(given, types); !meant.empty()) return meant;
-  // Of the same thing, whose name in scene files both of them are, or have.
-  const auto is_same = [&](const std::string& type) {
-    if (!name_here(type, {given}).empty() || !name_here(given, {type}).empty()) return true;
-    return std::ranges::any_of(kTypes, [&](const char* here) {
-      return (given == here || !name_here(given, {here}).empty()) && !name_here(type, {here}).empty();
-    });
-  };
-  const auto same = std::ranges::find_if(types, is_same);
+  const auto same =
+      std::ranges::find_if(types, [&](const std::string& type) { return are_synonyms(given, type); });
   return same == types.end() ? "" : "; did you mean \"" + *same + "\"?";
 }
 

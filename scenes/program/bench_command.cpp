@@ -103,34 +103,33 @@ void show(const BenchRun& run, const OrderedJson& json, std::size_t index, std::
                run.engine_label().c_str(), json.value("status", "").c_str(), numbers);
 }
 
-constexpr double kLongestProfile = 300;  ///< [s] of one run of work_profile
+/// What work_profile prints, or `otherwise` with why it printed nothing.
+OrderedJson ask(const fs::path& program, const std::vector<std::string>& arguments, OrderedJson otherwise) {
+  constexpr double kLongest = 300;  // [s]
+  const ChildResult child = run_child(program, arguments, true, kLongest);
+  OrderedJson json = OrderedJson::parse(child.output, nullptr, false);
+  if (child.good() && json.is_object()) return json;
+  otherwise["failed"] = "no result: " + child.message();
+  return otherwise;
+}
 
-/// What work_profile says of one scene, or why it says nothing.
+/// What work_profile says of one scene.
 OrderedJson profile(const fs::path& program, const WorkRun& run, const BenchOptions& options) {
   std::vector<std::string> arguments{"--scene", run.scene, "--n", std::to_string(run.n)};
   if (!run.with.empty()) arguments.insert(arguments.end(), {"--with", run.with});
   if (options.quick) arguments.insert(arguments.end(), {"--time", "0.05", "--limit", "1"});
   if (options.limit > 0) arguments.insert(arguments.end(), {"--limit", shortest(options.limit)});
-  const ChildResult child = run_child(program, arguments, true, kLongestProfile);
-  OrderedJson json = OrderedJson::parse(child.output, nullptr, false);
-  if (child.good() && json.is_object()) return json;
-  return {
-      {"scene", run.scene}, {"n", run.n}, {"with", run.with}, {"failed", "no result: " + child.message()}};
+  return ask(program, arguments, {{"scene", run.scene}, {"n", run.n}, {"with", run.with}});
 }
 
 /// A step by each method, of chains of more and more links.
 void add_methods(const fs::path& program, const BenchOptions& options, BenchResults& results) {
   results["methods"] = OrderedJson::array();
-  for (const int n : method_sizes(options.quick)) {
-    const ChildResult child = run_child(
+  for (const int n : method_sizes(options.quick))
+    results["methods"].push_back(ask(
         program,
         {"--methods", "--scene", "chain", "--n", std::to_string(n), "--limit", options.quick ? "0.1" : "1"},
-        true, kLongestProfile);
-    OrderedJson json = OrderedJson::parse(child.output, nullptr, false);
-    if (!child.good() || !json.is_object())
-      json = {{"scene", "chain"}, {"n", n}, {"failed", "no result: " + child.message()}};
-    results["methods"].push_back(std::move(json));
-  }
+        {{"scene", "chain"}, {"n", n}}));
 }
 
 /// @param keep is called with the results so far

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cctype>
-#include <filesystem>
 #include <string_view>
 #include <vector>
 
@@ -35,12 +34,6 @@ constexpr std::string_view kOtherEndings[] = {".gltf", ".vtk", ".vtu",  ".vtp", 
                                               ".png",  ".jpg", ".jpeg", ".pdf", ".xml",
                                               ".urdf", ".sdf", ".obj",  ".stl", ".md"};
 
-std::string ending_of(const std::string& file) {
-  std::string ending = std::filesystem::path(file).extension().string();
-  std::ranges::transform(ending, ending.begin(), [](unsigned char c) { return std::tolower(c); });
-  return ending;
-}
-
 bool is_of_a_file(std::string_view ending) {
   return std::ranges::find(kOtherEndings, ending) != std::end(kOtherEndings) ||
          std::ranges::any_of(endings_of_kinds(), [&](const EndingsOfKind& kind) {
@@ -56,6 +49,12 @@ bool is_special(const std::string& file) {
 }
 
 }  // namespace
+
+std::string ending_of(const std::filesystem::path& file) {
+  std::string ending = file.extension().string();
+  std::ranges::transform(ending, ending.begin(), [](unsigned char c) { return std::tolower(c); });
+  return ending;
+}
 
 void require_ending(const char* option, const std::string& file, FileKind kind) {
   if (file.empty() || is_special(file)) return;

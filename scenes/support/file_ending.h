@@ -1,8 +1,12 @@
 #pragma once
 
+#include <filesystem>
 #include <string>
 
 namespace taut {
+
+/// In lower case, with its dot: ".png"; "" without one.
+std::string ending_of(const std::filesystem::path& file);
 
 /// What a command writes to a file, by which other programs know it from its name.
 enum class FileKind { kPage, kAnimation, kPicture, kTable, kJson, kRecording };
