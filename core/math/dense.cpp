@@ -38,7 +38,6 @@ Matrix product(const Matrix& A, const Matrix& B) { return A * B; }
 
 Matrix solve(const Matrix& A, const Matrix& B) { return A.partialPivLu().solve(B); }
 
-Vector solve_symmetric(const Matrix& A, const Vector& b) { return A.llt().solve(b); }
 Vec3 solve_symmetric3(const Mat3& A, const Vec3& b) { return A.ldlt().solve(b); }
 
 }  // namespace taut::dense

@@ -45,7 +45,6 @@ Matrix product(const Matrix& A, const Matrix& B);
 Matrix solve(const Matrix& A, const Matrix& B);
 
 /// A⁻¹ b of symmetric positive definite A.
-Vector solve_symmetric(const Matrix& A, const Vector& b);
 Vec3 solve_symmetric3(const Mat3& A, const Vec3& b);
 
 }  // namespace taut::dense

@@ -26,6 +26,11 @@ const char* unknown_force(const AxisProperties& p, bool is_swing) {
   return bounded;
 }
 
+/// A joint, with rows that hold.
+bool holds(const Rows::JointRows& block) {
+  return block.equality_count > 0 && std::holds_alternative<JointId>(block.owner);
+}
+
 /// Which blocks are edges of the forest: of those in a loop the ones with most rows, then the first, all that
 /// do not move as one.  What joins the same two bodies as an edge is one, too.
 std::vector<char> choose_edges(const World& world, const Rows& rows) {
@@ -35,8 +40,7 @@ std::vector<char> choose_edges(const World& world, const Rows& rows) {
   std::vector<Edge> edges;
   for (int k = 0; k < std::ssize(rows.joints()); ++k) {
     const Rows::JointRows& joint = rows.joints()[k];
-    if (joint.equality_count == 0 || joint.side_count != 2 || !std::holds_alternative<JointId>(joint.owner))
-      continue;
+    if (!holds(joint) || joint.side_count != 2) continue;
     const int a = rows.sides()[joint.first_side].body, b = rows.sides()[joint.first_side + 1].body;
     edges.push_back({k, joint.equality_count, std::min(a, b), std::max(a, b)});
   }
@@ -89,11 +93,8 @@ class TreeGrowth {
   }
   /// All that is no edge is cut.
   void cut() {
-    for (int k = 0; k < std::ssize(rows_.joints()); ++k) {
-      const Rows::JointRows& joint = rows_.joints()[k];
-      if (!is_edge_[k] && joint.equality_count > 0 && std::holds_alternative<JointId>(joint.owner))
-        tree_.cuts.push_back(k);
-    }
+    for (int k = 0; k < std::ssize(rows_.joints()); ++k)
+      if (!is_edge_[k] && holds(rows_.joints()[k])) tree_.cuts.push_back(k);
   }
 
  private:

@@ -13,18 +13,7 @@
 namespace taut {
 namespace {
 
-/// Chosen, where nothing else is said.
-struct TreeTuning {
-  /// Newton steps of a joint at most; near the tolerance each squares the gap.
-  static constexpr int kMaxClosings = 20;
-};
-
 Twist twist_of(const Eigen::Matrix<double, 6, 1>& a) { return {a.head<3>(), a.tail<3>()}; }
-Eigen::Matrix<double, 6, 1> six(const Twist& V) {
-  Eigen::Matrix<double, 6, 1> a;
-  a << V.w, V.v;
-  return a;
-}
 
 bool is_same(const Pose& a, const Pose& b) { return a.p == b.p && a.q.coeffs() == b.q.coeffs(); }
 
@@ -88,7 +77,7 @@ ArticulatedTree::ArticulatedTree(const World& world, const Rows& rows, const Mas
   inertias_.resize(branches_.size());
   for (auto* of_bodies : {&a_, &carried_}) of_bodies->assign(rows.body_count(), Vector6::Zero());
   jacobian_.assign(rows.jacobian_size(), 0);
-  for (auto* values : {&gamma_, &phi_, &rates_}) values->assign(rows.row_count(), 0);
+  for (auto* values : {&phi_, &rates_}) values->assign(rows.row_count(), 0);
 }
 
 /// J_b⁺, and if wanted X and N, by orthogonal triangles of J_bᵀ; where rows depend on each other, by singular
@@ -136,58 +125,6 @@ ArticulatedTree::Vector6 ArticulatedTree::block_rates(const Branch& branch, cons
   Vector6 sum = Vector6::Zero();
   for (int i = 0; i < branch.count; ++i) sum -= rates[held_[branch.first + i].row] * motion.inverse.col(i);
   return sum;
-}
-
-void ArticulatedTree::give_multipliers(const Branch& branch, const Motion& motion, const Vector6& wrench,
-                                       std::span<double> lambda) const {
-  for (int i = 0; i < branch.count; ++i)
-    lambda[held_[branch.first + i].row] = motion.inverse.col(i).dot(wrench);
-}
-
-/// M and ω × Iω − f.
-void ArticulatedTree::gather_bodies(const State& state, std::span<const Wrench> forces) {
-  for (std::size_t k = 0; k < branches_.size(); ++k) {
-    const int b = branches_[k].body;
-    const Mat3 R = mass_.principal_axes(b, state.poses[b]);
-    const Vec3& w = state.twists[b].w;
-    Articulated& its = articulated_[k];
-    const Mat3 I = R * mass_.inertia(b).moments.asDiagonal() * R.transpose();
-    its.inertia.setZero();
-    its.inertia.topLeftCorner<3, 3>() = I;
-    its.inertia.bottomRightCorner<3, 3>().diagonal().setConstant(mass_.inertia(b).mass);
-    its.bias << w.cross(I * w) - forces[b].torque, -forces[b].force;
-  }
-}
-
-/// c from γ, or from what else rates are to be taken away.
-void ArticulatedTree::gather_rates(std::span<const double> rates) {
-  for (std::size_t k = 0; k < branches_.size(); ++k)
-    articulated_[k].c = block_rates(branches_[k], motions_[k], rates);
-}
-
-void ArticulatedTree::accelerate(const State& state, std::span<const Wrench> forces, Method method,
-                                 std::span<Twist> accelerations, std::span<double> lambda) {
-  rows_.bias(state, state.twists, gamma_);
-  gather_bodies(state, forces);
-  gather_rates(gamma_);
-  if (method == Method::kRecursive)
-    recursive(accelerations, lambda);
-  else
-    lagrangian(accelerations, lambda);
-}
-
-void ArticulatedTree::recursive(std::span<Twist> accelerations, std::span<double> lambda) {
-  for (std::size_t k = branches_.size(); k-- > 0;) {
-    factorize(k);
-    carry_to_parent(k);
-  }
-  for (std::size_t k = 0; k < branches_.size(); ++k) {
-    const Branch& branch = branches_[k];
-    const Articulated& its = articulated_[k];
-    const Vector6& a = carry_on(k);
-    accelerations[branch.body] = twist_of(a);
-    if (branch.attached()) give_multipliers(branch, motions_[k], its.inertia * a + its.bias, lambda);
-  }
 }
 
 /// What the parent feels of a body, whatever its own speeds do.  By roots: where N (Nᵀ I N)⁻¹ Nᵀ is
@@ -241,38 +178,6 @@ Eigen::MatrixXd ArticulatedTree::speeds_to_bodies() const {
   return G;
 }
 
-void ArticulatedTree::lagrangian(std::span<Twist> accelerations, std::span<double> lambda) {
-  const Eigen::MatrixXd G = speeds_to_bodies();
-  const Eigen::Index bodies = rows_.body_count();
-  Eigen::VectorXd a0 = Eigen::VectorXd::Zero(6 * bodies);
-  for (std::size_t k = 0; k < branches_.size(); ++k) {
-    const Branch& branch = branches_[k];
-    if (branch.attached())
-      a0.segment<6>(6 * branch.body) = motions_[k].X * a0.segment<6>(6 * branch.parent) + articulated_[k].c;
-  }
-  Eigen::MatrixXd MG = Eigen::MatrixXd::Zero(6 * bodies, freedoms());
-  Eigen::VectorXd force = Eigen::VectorXd::Zero(6 * bodies);
-  for (std::size_t k = 0; k < branches_.size(); ++k) {
-    const Eigen::Index row = 6 * branches_[k].body;
-    MG.middleRows<6>(row) = articulated_[k].inertia * G.middleRows<6>(row);
-    force.segment<6>(row) = -articulated_[k].bias - articulated_[k].inertia * a0.segment<6>(row);
-  }
-  Eigen::VectorXd a = a0;
-  if (freedoms() > 0)
-    a += G * dense::solve_symmetric(dense::product(G.transpose(), MG), G.transpose() * force);
-  // Joint forces from the leaves: what the motion of a body takes beyond what acts on it.
-  for (std::size_t k = branches_.size(); k-- > 0;) {
-    const Branch& branch = branches_[k];
-    const Vector6 own = a.segment<6>(6 * branch.body);
-    accelerations[branch.body] = twist_of(own);
-    if (!branch.attached()) continue;
-    const Vector6 wrench = articulated_[k].inertia * own + articulated_[k].bias;
-    give_multipliers(branch, motions_[k], wrench, lambda);
-    if (const int parent = branch_of_[branch.parent]; parent >= 0)
-      articulated_[parent].bias += motions_[k].X.transpose() * wrench;
-  }
-}
-
 void ArticulatedTree::prepare(const State& state, Method method) {
   for (std::size_t k = 0; k < branches_.size(); ++k) {
     const int b = branches_[k].body;
@@ -292,7 +197,7 @@ void ArticulatedTree::prepare(const State& state, Method method) {
   MG.setZero(G.rows(), G.cols());
   for (std::size_t k = 0; k < branches_.size(); ++k)
     MG.middleRows<6>(6 * branches_[k].body) = inertias_[k] * G.middleRows<6>(6 * branches_[k].body);
-  H.compute(dense::product(G.transpose(), MG));
+  if (G.cols() > 0) H.compute(dense::product(G.transpose(), MG));
 }
 
 void ArticulatedTree::biases(const State& state, std::span<const Wrench> forces,
@@ -326,6 +231,7 @@ void ArticulatedTree::respond(Method method, std::span<const Vector6> bias, std:
     if (branch.attached() && moves(branch.parent)) its += motions_[k].X * a[branch.parent];
     left.segment<6>(6 * branch.body) = -articulated_[k].bias - inertias_[k] * its;
   }
+  if (lagrange_->G.cols() == 0) return;
   const Eigen::VectorXd made = lagrange_->G * lagrange_->H.solve(lagrange_->G.transpose() * left);
   for (const Branch& branch : branches_) a[branch.body] += made.segment<6>(6 * branch.body);
 }
@@ -409,21 +315,6 @@ void ArticulatedTree::close_velocities(State& state) const {
     V.w += turn + own.w;
     V.v += shift + turn.cross(arm) + own.v;
   }
-}
-
-/// As accelerations of bodies on which −M V acts.
-void ArticulatedTree::project_velocities(State& state) {
-  for (std::size_t k = 0; k < branches_.size(); ++k) articulated_[k].bias.setZero();
-  std::vector<double> rates(rows_.row_count(), 0), lambda(rows_.row_count(), 0);
-  std::vector<Wrench> none(rows_.body_count());
-  if (follows_time_) rows_.add_rate(state, rates);
-  gather_bodies(state, none);
-  for (std::size_t k = 0; k < branches_.size(); ++k)
-    articulated_[k].bias = -(articulated_[k].inertia * six(state.twists[branches_[k].body]));
-  gather_rates(rates);
-  std::vector<Twist> closed = state.twists;
-  recursive(closed, lambda);
-  state.twists = closed;
 }
 
 }  // namespace taut

@@ -12,9 +12,15 @@
 
 namespace taut {
 
-/// The tree of TreeDynamics by itself, by rows and masses from elsewhere: its motion where nothing is beyond
-/// it, and what closes its joints; else its answers, of which ClosedTree makes the motion.  Symbols are those
-/// of tree_dynamics.h, (1).  (solvers/integrators, "Reduced coordinates")
+/// Chosen, where nothing else is said.
+struct TreeTuning {
+  /// Newton steps of a joint, or of all together, at most; near the tolerance each squares the gap.
+  static constexpr int kMaxClosings = 20;
+};
+
+/// The tree of TreeDynamics by itself, by rows and masses from elsewhere: what closes its joints, and its
+/// answers, of which ClosedTree makes the motion.  Symbols are those of tree_dynamics.h, (1).
+/// (solvers/integrators, "Reduced coordinates")
 class ArticulatedTree {
  public:
   using Method = TreeDynamics::Method;
@@ -35,11 +41,6 @@ class ArticulatedTree {
   std::span<const double> jacobian() const { return jacobian_; }
   /// Number of speeds u.
   int freedoms() const;
-  /// V̇ of all bodies under these wrenches, 0 for fixed ones, and of equality rows the forces λ that make it;
-  /// those of other rows stay.
-  void accelerate(const State& state, std::span<const Wrench> forces, Method method,
-                  std::span<Twist> accelerations, std::span<double> lambda);
-
   /// Closes all joints from the roots to the leaves, each body with all that hangs on it against its parent,
   /// by Newton's method q ← q ⊕ (−J_b⁺ φ), at least `least` times, until |φ| is within the tolerance.  False
   /// if it does not come to that.  Needs and leaves no linearize().
@@ -47,9 +48,6 @@ class ArticulatedTree {
   /// Makes velocities obey J V + φ_t = 0 from the roots to the leaves, at the state of linearize():
   /// V ← V − J_b⁺ (J V + φ_t), exactly.
   void close_velocities(State& state) const;
-  /// The velocities nearest to those of the state in the metric M with J V + φ_t = 0, as an impact of all
-  /// joints at once leaves them; at the state of linearize().
-  void project_velocities(State& state);
 
   // Answers, at the state of linearize().
   /// Inertias of the bodies, and what either method makes of them.
@@ -84,18 +82,12 @@ class ArticulatedTree {
 
   Vector6 block_rates(const Branch& branch, const Motion& motion, std::span<const double> rates) const;
   void decompose(const Branch& branch, Motion& motion, bool with_null_space);
-  void gather_bodies(const State& state, std::span<const Wrench> forces);
-  void gather_rates(std::span<const double> rates);
-  void recursive(std::span<Twist> accelerations, std::span<double> lambda);
-  void lagrangian(std::span<Twist> accelerations, std::span<double> lambda);
   void factorize(std::size_t k);
   void carry_to_parent(std::size_t k);
   const Vector6& carry_on(std::size_t k);
   Eigen::MatrixXd speeds_to_bodies() const;
   double open_gap(std::size_t k, const Configuration& at);
   bool close_joint(std::size_t k, const Configuration& at, Pose& pose);
-  void give_multipliers(const Branch& branch, const Motion& motion, const Vector6& wrench,
-                        std::span<double> lambda) const;
   std::span<const double> open_rates(const State& state) const;
 
   const Rows& rows_;
@@ -111,7 +103,7 @@ class ArticulatedTree {
   std::vector<Matrix6> inertias_;  // by branch
   std::vector<int> cuts_;
   std::vector<Vector6> a_, carried_;  // by body
-  std::vector<double> jacobian_, gamma_, phi_;
+  std::vector<double> jacobian_, phi_;
   std::vector<Pose> before_;
   mutable std::vector<double> rates_;
   mutable std::vector<Twist> twists_before_;

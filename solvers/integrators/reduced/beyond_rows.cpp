@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/base/interruption.h"
+#include "solvers/complementarity/active_set.h"
 
 namespace taut {
 namespace {
@@ -25,9 +26,8 @@ struct BeyondTuning {
   static constexpr double kCompliance = 1e-9;
   /// Sweeps before rounds are tried again, four times as many each time.
   static constexpr int kSweeps = 50, kMostSweeps = 4000;
-  /// Rounds of pivoting without fewer wrong rows before one row at a time is moved [JudicePires1994], and in
-  /// all, and more for each row.
-  static constexpr int kBlockTrials = 10, kRounds = 50, kRoundsOfARow = 2;
+  /// Rounds of pivoting in all, and more for each row.
+  static constexpr int kRounds = 50, kRoundsOfARow = 2;
 };
 
 /// A λ = −b by Cholesky's L Lᵀ; false, and nothing is written, where a pivot is small.
@@ -120,7 +120,7 @@ class BeyondPivoting {
       for (Eigen::Index r = 0; r < b_.size(); ++r) {
         if (moves_[r] == 0) continue;
         segments_[r] += moves_[r];
-        if (in_vain > BeyondTuning::kBlockTrials) break;
+        if (in_vain > ActiveSetTuning::kBlockTrials) break;
       }
     }
     return false;

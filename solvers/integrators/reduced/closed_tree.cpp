@@ -6,15 +6,6 @@
 #include "solvers/integrators/body_moves.h"
 
 namespace taut {
-namespace {
-
-/// Chosen, where nothing else is said.
-struct ClosedTreeTuning {
-  /// Newton steps of all joints together at most; near the tolerance each squares the gap.
-  static constexpr int kMaxSteps = 20;
-};
-
-}  // namespace
 
 ClosedTree::ClosedTree(const World& world, const Rows& rows, const MassMatrix& mass)
     : rows_(rows), mass_(mass), tree_(world, rows, mass), follows_time_(rows.depends_on_time()) {
@@ -43,37 +34,27 @@ void ClosedTree::hold(std::span<const Held> rows) {
 
 /// J a of a row.
 double ClosedTree::rate_of(int row, std::span<const Vector6> a) const {
-  const Rows::JointRows& block = rows_.joints()[rows_.row(row).block];
   double rate = 0;
-  for (int s = block.first_side; s < block.first_side + block.side_count; ++s) {
-    const Rows::Side& side = rows_.sides()[s];
-    if (tree_.moves(side.body))
-      rate += Rows::block_row(side, tree_.jacobian(), row - block.first_row).dot(a[side.body]);
-  }
+  for_each_side(row, [&](int body, const Vector6& J) {
+    if (tree_.moves(body)) rate += J.dot(a[body]);
+  });
   return rate;
 }
 
 /// J M⁻¹ Jᵀ of a row.
 double ClosedTree::free_response(int row, const State& state) const {
-  const Rows::JointRows& block = rows_.joints()[rows_.row(row).block];
   double sum = 0;
-  for (int s = block.first_side; s < block.first_side + block.side_count; ++s) {
-    const Rows::Side& side = rows_.sides()[s];
-    const Vector6 J = Rows::block_row(side, tree_.jacobian(), row - block.first_row);
-    const MassMatrix::Body& body = mass_[side.body];
-    const Vec3 turn = mass_.principal_axes(side.body, state.poses[side.body]).transpose() * J.head<3>();
+  for_each_side(row, [&](int b, const Vector6& J) {
+    const MassMatrix::Body& body = mass_[b];
+    const Vec3 turn = mass_.principal_axes(b, state.poses[b]).transpose() * J.head<3>();
     sum += turn.cwiseAbs2().dot(body.inverse_moments) + J.tail<3>().squaredNorm() * body.inverse_mass;
-  }
+  });
   return sum;
 }
 
 /// The bias of Jᵀ λ of a row, which is −Jᵀ λ.
 void ClosedTree::add_bias(int row, double lambda, std::span<Vector6> bias) const {
-  const Rows::JointRows& block = rows_.joints()[rows_.row(row).block];
-  for (int s = block.first_side; s < block.first_side + block.side_count; ++s) {
-    const Rows::Side& side = rows_.sides()[s];
-    bias[side.body] -= lambda * Rows::block_row(side, tree_.jacobian(), row - block.first_row);
-  }
+  for_each_side(row, [&](int body, const Vector6& J) { bias[body] -= lambda * J; });
 }
 
 /// a₀ and b of (1).
@@ -133,7 +114,6 @@ void ClosedTree::end_acceleration(const dense::Vector& beyond, std::span<Twist> 
 
 void ClosedTree::accelerate(const State& state, std::span<const Wrench> forces, Method method,
                             std::span<Twist> accelerations, std::span<double> lambda) {
-  if (is_tree()) return tree_.accelerate(state, forces, method, accelerations, lambda);
   const BeyondRows& rows = begin_acceleration(state, forces, method);
   end_acceleration(solve_equalities(rows), accelerations, lambda);
 }
@@ -163,8 +143,7 @@ void ClosedTree::end_impact(const dense::Vector& beyond, State& state, std::span
   }
 }
 
-/// The least change that makes all rows hold.
-void ClosedTree::change_velocities(State& state) {
+void ClosedTree::project_velocities(State& state) {
   rows_.apply(tree_.jacobian(), state.twists, rates_);
   if (follows_time_) rows_.add_rate(state, rates_);
   for (const Held& held : beyond_) rates_[held.row] -= held.rate;
@@ -183,14 +162,7 @@ void ClosedTree::close_velocities(State& state) {
   if (is_tree())
     tree_.close_velocities(state);
   else
-    change_velocities(state);
-}
-
-void ClosedTree::project_velocities(State& state) {
-  if (is_tree())
-    tree_.project_velocities(state);
-  else
-    change_velocities(state);
+    project_velocities(state);
 }
 
 /// |φ| of all rows that stay, infinite if it is none; leaves φ less where they stay.
@@ -209,10 +181,10 @@ double ClosedTree::widest_gap(const Configuration& at) {
 bool ClosedTree::close_positions(State& state, double tolerance, int least, int& iterations) {
   if (is_tree()) return tree_.close_positions(state, tolerance, least, iterations);
   bool closed = false;
-  for (int pass = 0; pass <= ClosedTreeTuning::kMaxSteps; ++pass) {
+  for (int pass = 0; pass <= TreeTuning::kMaxClosings; ++pass) {
     const double gap = widest_gap(state);
     closed = gap == 0 || (pass >= least && gap <= tolerance);
-    if (closed || !std::isfinite(gap) || pass == ClosedTreeTuning::kMaxSteps || !move(state)) break;
+    if (closed || !std::isfinite(gap) || pass == TreeTuning::kMaxClosings || !move(state)) break;
     ++iterations;
   }
   return closed;

@@ -70,6 +70,16 @@ class ClosedTree {
   void close_velocities(State& state);
   void project_velocities(State& state);  /// @}
 
+  /// f(body, J) for each body that a row acts on, with the six entries of J that it has there.
+  template <typename Function>
+  void for_each_side(int row, Function f) const {
+    const Rows::JointRows& block = rows_.joints()[rows_.row(row).block];
+    for (int s = block.first_side; s < block.first_side + block.side_count; ++s) {
+      const Rows::Side& side = rows_.sides()[s];
+      f(side.body, Rows::block_row(side, tree_.jacobian(), row - block.first_row));
+    }
+  }
+
   /// What is remembered from step to step, to or from bytes (checkpoint_memory.cpp).
   void transfer(Archive& archive);
 
@@ -81,7 +91,6 @@ class ClosedTree {
   void add_responses(const dense::Vector& lambda, std::span<const Held> beyond);
   double rate_of(int row, std::span<const Vector6> a) const;
   void add_bias(int row, double lambda, std::span<Vector6> bias) const;
-  void change_velocities(State& state);
   double widest_gap(const Configuration& at);
   bool move(State& state);
 

@@ -393,20 +393,15 @@ void ReducedCoordinates::find_acting(const State& state, SubstepReport& report) 
 }
 
 void ReducedCoordinates::add_axis_forces(const State& state) {
-  const Rows& rows = system_.rows();
   read_axes(state);
   flow_.find(state.time, theta_, rates_, tau_);
   modes_.add_forces(rates_, tau_);
-  for (const Rows::AxisRow& axis : rows.axis_rows()) {
+  for (const Rows::AxisRow& axis : system_.rows().axis_rows()) {
     lambda_[axis.row] = tau_[axis.row];
-    const Rows::JointRows& block = rows.joints()[rows.row(axis.row).block];
-    for (int s = block.first_side; s < block.first_side + block.side_count; ++s) {
-      const Rows::Side& side = rows.sides()[s];
-      const auto J = Rows::block_row(side, tree_.jacobian(), axis.row - block.first_row);
-      Wrench& wrench = axis_wrenches_[side.body];
-      wrench.torque += tau_[axis.row] * J.head<3>();
-      wrench.force += tau_[axis.row] * J.tail<3>();
-    }
+    tree_.for_each_side(axis.row, [&](int body, const ClosedTree::Vector6& J) {
+      axis_wrenches_[body].torque += tau_[axis.row] * J.head<3>();
+      axis_wrenches_[body].force += tau_[axis.row] * J.tail<3>();
+    });
   }
 }
 

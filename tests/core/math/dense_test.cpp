@@ -74,7 +74,6 @@ TEST(Dense, SystemsAreSolved) {
   EXPECT_LE((A * dense::solve(A, B) - B).norm(), 1e-12);
   const Matrix positive = dense::product(A, A.transpose()) + Matrix::Identity(8, 8);
   const Vector b = B.col(0);
-  EXPECT_LE((positive * dense::solve_symmetric(positive, b) - b).norm(), 1e-12);
   const Mat3 small = positive.topLeftCorner<3, 3>();
   const Vec3 right = b.head<3>();
   EXPECT_LE((small * dense::solve_symmetric3(small, right) - right).norm(), 1e-13);
